@@ -1,0 +1,33 @@
+"""Make sample_gcode/: `python benchmarks/make_parts.py [folder]`. Needs prusa-slicer and CuraEngine on the path."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import parts
+import slicers
+
+JOBS = {  # file: solid, slicer
+    "ringing_tower.gcode": (parts.ringing_tower, slicers.prusa_slicer),
+    "star.gcode": (parts.star, slicers.prusa_slicer),
+    "curve.gcode": (parts.hull, slicers.prusa_slicer),
+    "ringing_tower_cura.gcode": (parts.ringing_tower, slicers.cura_engine),
+}
+
+
+def main(folder: Path) -> None:
+    if hasattr(os, "sched_setaffinity"):  # on several cores PrusaSlicer's lines differ from run to run
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    with tempfile.TemporaryDirectory() as scratch:
+        for name, (solid, slicer) in JOBS.items():
+            stl = Path(scratch) / f"{solid.__name__}.stl"
+            stl.write_bytes(parts.stl(solid()))
+            slicer(stl, (folder / name).resolve())
+            sys.stderr.write(f"{folder / name}: {(folder / name).stat().st_size} bytes\n")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "sample_gcode")

@@ -1,0 +1,178 @@
+"""`fbf compensate`: G-code in, G-code out."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from fbfcli.cli.files import DASH, reading, replacing, saying
+from fbfcli.cli.lookup import find_printer
+from fbfcli.errors import FbfError, GcodeError, LimitError
+
+if TYPE_CHECKING:
+    from fbfcli.pipeline import Done, Settings
+
+SUFFIX = ".fbf"
+METHODS = ("none", "zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei", "lpfbs", "fbf")  # as control.design, without importing numpy
+UM_PER_MM = 1e3
+MS_PER_S = 1e3
+
+Write = Callable[[bytes], object]
+
+
+@click.command(no_args_is_help=False)
+@click.argument("file", default=DASH, metavar="[FILE]")
+@click.option("-p", "--printer", metavar="NAME|FILE", help="Printer profile (else FBF_PRINTER, else ~/.config/fbf/printer.toml).")
+@click.option("-o", "--output", metavar="FILE", help="Write here; - is standard output. [default: FILE with .fbf before its ending]")
+@click.option("-i", "--in-place", is_flag=True, help="Change FILE itself, as slicers expect of a post-processor.")
+@click.option("-m", "--method", type=click.Choice(METHODS), default="lpfbs", show_default=True, help="How the command is computed.")
+@click.option("--accel", type=click.FloatRange(min=0, min_open=True), metavar="MM/S2", help="Plan with this acceleration instead of the file's.")
+@click.option("--velocity", type=click.FloatRange(min=0, min_open=True), metavar="MM/S", help="Plan with this speed limit instead of the file's.")
+@click.option("--tolerance", type=click.FloatRange(0.1, 1000), default=5.0, show_default=True, metavar="UM", help="Of a written segment from the command.")
+@click.option("--segments", type=click.FloatRange(min=10), metavar="PER_S", help="Segments per second the firmware takes. [default: the profile's]")
+@click.option("--knots", type=click.IntRange(1, 200), metavar="MS", help="lpfbs, fbf: spacing of the spline's knots.")
+@click.option("--degree", type=click.IntRange(2, 9), metavar="M", help="lpfbs, fbf: degree of the spline.")
+@click.option("--mu", type=click.FloatRange(min=0), metavar="WEIGHT", help="lpfbs, fbf: weight on the command's curvature.")
+@click.option("--preview", type=click.IntRange(10, 5000), metavar="MS", help="lpfbs: how far the method looks ahead.")
+@click.option("--settle", type=click.IntRange(0, 1000), metavar="MS", help="lpfbs, fbf: rest kept before and after each stretch of motion.")
+@click.option("--json", "json_to", metavar="FILE", help="Write the summary as JSON; - is standard output.")
+@click.option("--log", "log_to", metavar="FILE", help="Append the summary, or the error, to a file (Windows slicers hide both).")
+@click.option("-n", "--dry-run", is_flag=True, help="Compute and tell everything, write nothing.")
+@click.option("-f", "--force", is_flag=True, help="Compensate a file that is compensated already.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress, no summary; errors are still told.")
+def compensate(file: str, printer: str | None, output: str | None, in_place: bool, json_to: str | None, log_to: str | None,
+               dry_run: bool, force: bool, quiet: bool, **how: object) -> None:
+    """Change a print so that a vibrating printer follows it.
+
+    The motion is planned as the firmware would, the printer's measured vibration is inverted, and the result is
+    written as short segments whose times the firmware keeps. Other lines stay where they belong in time.
+
+    \b
+    fbf compensate part.gcode -p synthetic_bed_slinger       writes part.fbf.gcode
+    fbf compensate part.gcode -p taz6 --accel 5000           plans with a higher acceleration
+    fbf compensate -i -p ~/my_printer.toml part.gcode        in a slicer's post-processing box
+    fbf compensate -p taz6 -m zv --dry-run --json - part.gcode | jq .contour_after
+    zcat part.gcode.gz | fbf compensate -p taz6 - > out.gcode
+    """
+    with _logged(log_to):
+        target = _target(file, output, in_place, dry_run, json_to)
+        settings = _settings(how, patch_times=target not in (None, DASH))
+        done = _compensate(file, target, printer, settings, force, quiet)
+        if not quiet:
+            click.echo(done.summary.text(), err=True)
+        if json_to:
+            with saying(json_to) as stream:
+                stream.write(json.dumps(done.summary.as_dict(), indent=2) + "\n")
+        if log_to:
+            _log(log_to, f"{file}: {done.summary.text()}")
+
+
+def _target(file: str, output: str | None, in_place: bool, dry_run: bool, json_to: str | None) -> str | None:
+    """Where the new text goes: a file, standard output, or (None) nowhere."""
+    if in_place and (file == DASH or output):
+        raise click.UsageError("-i changes FILE itself: it takes a file, and no -o")
+    if file == DASH and sys.stdin.isatty():
+        raise click.UsageError("no FILE, and standard input is a terminal")
+    target = file if in_place else output or (DASH if file == DASH else _beside(file))
+    if dry_run:
+        return None
+    if target == DASH and json_to == DASH:
+        raise click.UsageError("the G-code and --json both go to standard output: give one of them a file")
+    return target
+
+
+def _beside(file: str) -> str:
+    path = Path(file)
+    return str(path.with_name(path.stem + SUFFIX + path.suffix))
+
+
+def _settings(how: dict[str, object], patch_times: bool) -> Settings:
+    from fbfcli.pipeline import Settings
+
+    given = {name: value for name, value in how.items() if value is not None}
+    options = {name: float(given[option]) for option, name in (("degree", "degree"), ("mu", "mu")) if option in given}  # type: ignore[arg-type]
+    settings = Settings()
+    for option, names in (("knots", ("L",)), ("settle", ("lead", "tail")), ("preview", ("preview",))):
+        if option in given:
+            options |= {name: round(float(given[option]) / MS_PER_S / settings.dt) for name in names}  # type: ignore[arg-type]
+    return Settings(
+        method=str(given["method"]),
+        tolerance=float(given["tolerance"]) / UM_PER_MM,  # type: ignore[arg-type]
+        acceleration=given.get("accel"),  # type: ignore[arg-type]
+        velocity=given.get("velocity"),  # type: ignore[arg-type]
+        segments_per_second=given.get("segments"),  # type: ignore[arg-type]
+        options=options,
+        patch_times=patch_times,
+    )
+
+
+def _compensate(file: str, target: str | None, printer: str | None, settings: Settings, force: bool, quiet: bool) -> Done:
+    """Read, compensate and write; the output appears when all of it is there."""
+    from fbfcli.gcode.scan import chunks
+    from fbfcli.gcode.stamp import HEAD_BYTES, is_stamped
+    from fbfcli.pipeline import compensate as run
+
+    profile = find_printer(printer)
+    with reading(file) as source, _progress(file, quiet) as progress:
+        texts = chunks(source)
+        first = next(texts, b"")
+        if is_stamped(first[:HEAD_BYTES]) and not force:
+            raise FbfError(f"{file}: is compensated already; a second pass would shake the print (--force does it all the same)")
+
+        def work(write: Write) -> Done:
+            try:
+                return run(_again(first, texts), profile, settings, lambda text: write(text) and None, progress)
+            except GcodeError as error:
+                raise error.at(file) from None
+            except LimitError as error:
+                raise LimitError(f"{file}: {error}") from None
+
+        if target is None:
+            return work(lambda text: None)
+        if target == DASH:
+            return work(sys.stdout.buffer.write)
+        path = Path(target)
+        with replacing(path, like=path if path.exists() else None) as stream:
+            done = work(stream.write)
+            for patch in done.patches:
+                stream.seek(patch.offset)
+                stream.write(patch.line.padded(patch.elapsed, done.time))
+            return done
+
+
+def _again(first: bytes, rest: Iterator[bytes]) -> Iterator[bytes]:
+    if first:
+        yield first
+    yield from rest
+
+
+@contextmanager
+def _progress(file: str, quiet: bool) -> Iterator[Callable[[int], None]]:
+    """A bar on standard error, if that is a terminal and the file's size is known."""
+    if quiet or file == DASH or not sys.stderr.isatty():
+        yield lambda done: None
+        return
+    with click.progressbar(length=Path(file).stat().st_size, label=Path(file).name, file=sys.stderr) as bar:  # type: ignore[var-annotated]
+        yield lambda done: bar.update(done - bar.pos)
+
+
+@contextmanager
+def _logged(log_to: str | None) -> Iterator[None]:
+    """Errors go to the log too."""
+    try:
+        yield
+    except FbfError as error:
+        if log_to:
+            _log(log_to, f"error: {error}")
+        raise
+
+
+def _log(log_to: str, words: str) -> None:
+    with Path(log_to).open("a", encoding="utf-8") as stream:
+        stream.write(words + "\n")

@@ -1,0 +1,1 @@
+"""Control point i: compensators. They get arrays, never a Plant or a Printer."""

@@ -1,0 +1,58 @@
+"""Commands against the machine's limits, stretch by stretch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Box:
+    """What a command may do. ndarrays of shape (axes,)
+
+    low, high    : travel [mm]
+    velocity     : [mm/s]
+    acceleration : [mm/s^2]
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+def peaks(u: np.ndarray, begin: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Largest |u'| and |u''| of each axis in each stretch, shape (s, axes) each.
+
+    u     : ndarray, shape (n, axes)      stretches one after the other
+    begin : ndarray of int, shape (s,)    their first samples; begin[0] = 0
+    """
+    velocity = np.empty((len(begin), u.shape[1]))
+    acceleration = np.empty_like(velocity)
+    for axis in range(u.shape[1]):
+        step = np.diff(u[:, axis], append=u[-1:, axis])
+        step[begin[1:] - 1] = 0.0  # from one stretch to the next
+        bend = np.diff(step, prepend=step[0])
+        bend[begin[1:]] = 0.0
+        bend[begin[1:] - 1] = 0.0
+        bend[-1] = 0.0
+        velocity[:, axis] = np.maximum.reduceat(np.abs(step), begin) / dt
+        acceleration[:, axis] = np.maximum.reduceat(np.abs(bend), begin) / (dt * dt)
+    return velocity, acceleration
+
+
+def outside(u: np.ndarray, y_d: np.ndarray, begin: np.ndarray, dt: float, box: Box) -> np.ndarray:
+    """Stretches whose command leaves the box although the desired motion stays within it, bool, shape (s,).
+
+    Where the desired motion itself is outside (a planner's corner steps), the command may not be worse.
+    """
+    velocity, acceleration = peaks(u, begin, dt)
+    v_desired, a_desired = peaks(y_d, begin, dt)
+    bad = (velocity > np.maximum(box.velocity, v_desired)) | (acceleration > np.maximum(box.acceleration, a_desired))
+    for axis in range(u.shape[1]):
+        lowest = np.minimum(box.low[axis], np.minimum.reduceat(y_d[:, axis], begin))
+        highest = np.maximum(box.high[axis], np.maximum.reduceat(y_d[:, axis], begin))
+        bad[:, axis] |= np.minimum.reduceat(u[:, axis], begin) < lowest
+        bad[:, axis] |= np.maximum.reduceat(u[:, axis], begin) > highest
+    return bad.any(axis=1)

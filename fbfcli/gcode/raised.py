@@ -1,0 +1,98 @@
+"""Limits raised before a compensated stretch and put back after it, in each firmware's words.
+
+The planner must not slow a segment down, or the command is late: FORMATS "Following a time-stamped trajectory". Only
+X and Y are raised: moves of Z or E alone keep the limits they had.
+Klipper: SET_VELOCITY_LIMIT, SET_INPUT_SHAPER. Marlin: M201, M203, M204, M205, M593, M493. RepRapFirmware: M201, M203
+(mm/min), M204, M566 (mm/min), M593.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import isfinite, isnan
+
+from fbfcli.printer import Four, Limits
+from fbfcli.units import S_PER_MIN
+
+KLIPPER_VELOCITY = 5000.0
+KLIPPER_ACCELERATION = 1e8
+KLIPPER_CORNER = 1e5
+XY_VELOCITY = 2000.0
+XY_ACCELERATION = 1e6  # times 100 steps/mm still fits the planner's 32-bit steps/s^2
+XY_JERK = 1000.0
+JUNCTION_DEVIATION = 0.3  # the most that M205 J accepts
+MARLIN_SEGMENT_US = 20_000  # DEFAULT_MINSEGMENTTIME: M205 B0 keeps Marlin from stretching short segments
+
+
+def raised(firmware: str, limits: Limits) -> Limits:
+    """The limits in force inside a compensated stretch, as the planner model sees them."""
+    if firmware == "klipper":
+        return replace(limits, velocity=KLIPPER_VELOCITY, acceleration=KLIPPER_ACCELERATION, square_corner_velocity=KLIPPER_CORNER,
+                       minimum_cruise_ratio=0.0)
+    deviation = limits.junction_deviation
+    return replace(
+        limits,
+        acceleration=XY_ACCELERATION,
+        travel_acceleration=XY_ACCELERATION,
+        axis_velocity=_xy(limits.axis_velocity, XY_VELOCITY),
+        axis_acceleration=_xy(limits.axis_acceleration, XY_ACCELERATION),
+        jerk=_xy(limits.jerk, XY_JERK),
+        junction_deviation=deviation if isnan(deviation) else JUNCTION_DEVIATION,
+    )
+
+
+def _xy(values: Four, top: float) -> Four:
+    """X and Y raised to `top`; an entry that is unlimited is left so (it could not be put back)."""
+    x, y = (top if isfinite(v) else v for v in values[:2])
+    return (x, y, values[2], values[3])
+
+
+def shaper_off(firmware: str) -> list[str]:
+    """Lines that switch off the firmware's own vibration compensation, which would act on top of ours."""
+    if firmware == "klipper":
+        return ["SET_INPUT_SHAPER SHAPER_FREQ_X=0 SHAPER_FREQ_Y=0"]
+    if firmware == "marlin":
+        return ["M593 F0"]
+    return ['M593 P"none"']
+
+
+def raise_lines(firmware: str, limits: Limits) -> list[str]:
+    """Lines before a compensated stretch where `limits` are in force."""
+    return shaper_off(firmware) + limit_lines(firmware, raised(firmware, limits)) + (["M205 B0"] if firmware == "marlin" else [])
+
+
+def restore_lines(firmware: str, limits: Limits) -> list[str]:
+    """Lines after it that put `limits` back in force."""
+    return limit_lines(firmware, limits) + ([f"M205 B{MARLIN_SEGMENT_US}"] if firmware == "marlin" else [])
+
+
+def limit_lines(firmware: str, limits: Limits) -> list[str]:
+    """Lines that put `limits` in force."""
+    if firmware == "klipper":
+        return [
+            f"SET_VELOCITY_LIMIT VELOCITY={_number(limits.velocity)} ACCEL={_number(limits.acceleration)}"
+            f" SQUARE_CORNER_VELOCITY={_number(limits.square_corner_velocity)} MINIMUM_CRUISE_RATIO={_number(limits.minimum_cruise_ratio)}"
+        ]
+    per_min = S_PER_MIN if firmware == "reprapfirmware" else 1.0
+    lines = [
+        _xy_line("M201", limits.axis_acceleration, 1.0),
+        _xy_line("M203", limits.axis_velocity, per_min),
+        f"M204 P{_number(limits.acceleration)} T{_number(limits.travel_acceleration)}",
+    ]
+    if firmware == "reprapfirmware":
+        lines.append(_xy_line("M566", limits.jerk, per_min))
+    elif isnan(limits.junction_deviation):
+        lines.append(_xy_line("M205", limits.jerk, 1.0))
+    else:
+        lines.append(f"M205 J{_number(limits.junction_deviation)}")
+    return [line for line in lines if line]
+
+
+def _xy_line(command: str, values: Four, scale: float) -> str:
+    words = [f"{axis}{_number(value * scale)}" for axis, value in zip("XY", values, strict=False) if isfinite(value)]
+    return " ".join([command, *words]) if words else ""
+
+
+def _number(value: float) -> str:
+    """Shortest decimal form without an exponent: firmwares read 1e8 as 1."""
+    return f"{value:.6f}".rstrip("0").rstrip(".")

@@ -1,0 +1,101 @@
+"""Runs: where limits are raised and put back, and the text of every line that stays.
+
+A run lasts from the first compensated stretch after a barrier to the next barrier. Inside it the planner's limits are
+raised, so lines that change limits wait as comments, and motion lines that stay say their F anew.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from fbfcli.gcode.dialects import Kind
+from fbfcli.gcode.placement import Places
+from fbfcli.gcode.raised import raise_lines, restore_lines
+from fbfcli.gcode.words import SCALE
+from fbfcli.printer import Limits
+
+DEFERRED = b"; fbf: "
+_NUMBER = re.compile(rb"^\s*[Nn]\d+\s*")
+_CHECKSUM = re.compile(rb"\s*\*\d+[ \t]*(?=\r?\n?$|;)")
+_DECLARES = re.compile(rb"^\s*[Gg]0*92(?![.\d])")
+
+
+@dataclass(frozen=True)
+class Raised:
+    """Whether limits are raised around the lines of a part.
+
+    line  : ndarray of bool, shape (k,)   before each kept line
+    begin : ndarray of bool, shape (s,)   they are raised right before this stretch
+    after : bool                          at the end of the part
+    """
+
+    line: np.ndarray
+    begin: np.ndarray
+    after: bool
+
+
+def raised_where(number: np.ndarray, barrier: np.ndarray, starts: np.ndarray, before: bool) -> Raised:
+    """Follow the runs through a part.
+
+    number  : ndarray of int, shape (k,)    kept lines, increasing
+    barrier : ndarray of int                those that are barriers
+    starts  : ndarray of int, shape (s,)    line that begins each stretch
+    before  : limits are raised when the part begins
+    """
+    run = np.searchsorted(barrier, starts)
+    begin = np.diff(run, prepend=0 if before else -1) != 0
+    stretch = np.searchsorted(starts, number) - 1  # the last one begun before each line
+    run_of_line = np.searchsorted(barrier, number)
+    run_of_stretch = np.append(run, 0 if before else -1)[stretch]
+    last_run = run[-1] if len(run) else (0 if before else -1)
+    return Raised(run_of_stretch == run_of_line, begin, bool(last_run == len(barrier)))
+
+
+def raising(firmware: str, limits: Limits) -> bytes:
+    """Text before the first stretch of a run."""
+    return _text(raise_lines(firmware, limits))
+
+
+def restoring(firmware: str, limits: Limits, feed: float) -> bytes:
+    """Text after a run: the file's limits, and its F."""
+    return _text(restore_lines(firmware, limits)) + feed_line(feed)
+
+
+def feed_line(feed: float) -> bytes:
+    """The F that the file has in force, as its next motion line expects it; nothing before the first F."""
+    return b"" if np.isnan(feed) else f"G1 F{feed:.5f}".rstrip("0").rstrip(".").encode() + b"\n"
+
+
+def _text(lines: list[str]) -> bytes:
+    return "".join(line + "\n" for line in lines).encode()
+
+
+def kept_text(places: Places, i: int, raised: bool, restore: bytes, e_word: int | None) -> bytes:
+    """Line i of the places, as it is written.
+
+    raised : limits are raised before it
+    restore : what puts them back, for a barrier
+    e_word  : E that a G92 inside a stretch declares [1e-5 of the file's unit], None elsewhere
+    """
+    lines = places.lines
+    raw = lines.raw(i)
+    if not raw.endswith(b"\n"):
+        raw += b"\n"  # Klipper's batch reader drops an unterminated last line
+    if raw[:1] in b"Nn \t" and _NUMBER.match(raw):
+        raw = _CHECKSUM.sub(b"", _NUMBER.sub(b"", raw), count=1)
+    kind = lines.kind[i]
+    if kind == Kind.LIMITS and raised:
+        return DEFERRED + raw
+    if kind == Kind.BARRIER and raised:
+        return restore + raw
+    if kind == Kind.MODE and e_word is not None and _DECLARES.match(raw):
+        return b"G92 E%s\n" % (f"{e_word / SCALE:.5f}".encode())
+    if places.moves[i] and raised:
+        if not lines.has_command[i] and lines.motion[i] > 1:
+            raw = b"G%d " % lines.motion[i] + raw
+        if not lines.has_feed[i]:
+            return feed_line(lines.feed[i]) + raw
+    return raw

@@ -1,0 +1,158 @@
+"""Nodes: the few points that stand for a sampled command, and the time each segment between them must last.
+
+Legend: u command, sampled every dt; k sample; node = sample at which a segment ends; theta position inside a segment, 0..1.
+A chord of length T on a curve of acceleration a is off by a T^2 / 8, so break points that equidistribute
+sqrt(|u''| / (8 tolerance)) keep every chord within the tolerance with the fewest segments (de Boor, A Practical Guide to
+Splines, ch. XII). Nodes fitted by least squares halve the RMS of nodes taken from the curve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solveh_banded
+
+MIN_RATE = 4.0  # segments per second of a straight line at constant speed: E, fans and pauses stay near their time
+REFINEMENTS = 4  # passes that halve what a velocity step left outside the tolerance
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What segments may be.
+
+    tolerance  : largest distance of a chord from the command [mm]
+    max_rate   : segments per second that the firmware takes [1/s]
+    min_length : shorter segments are dropped by the firmware [mm]
+    """
+
+    tolerance: float
+    max_rate: float
+    min_length: float = 0.0
+
+
+def break_points(u: np.ndarray, ends: np.ndarray, forced: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
+    """Samples at which segments begin and end, shape (m,), increasing.
+
+    u      : ndarray, shape (n, 2)   command [mm]
+    ends   : ndarray of int          first and last sample of each stretch, 2 per stretch, increasing
+    forced : ndarray of int          samples inside stretches that must be nodes
+    """
+    fixed = np.union1d(ends, forced)
+    share = np.cumsum(_rate(u, dt, budget)) * dt
+    nodes = _equidistribute(share, fixed)
+    for _ in range(REFINEMENTS):
+        worst = _outside(u, nodes, budget, dt)
+        if not len(worst):
+            break
+        nodes = np.union1d(nodes, worst)
+    return _merge_short(u, nodes, fixed, budget.min_length) if budget.min_length > 0 else nodes
+
+
+def _rate(u: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
+    """Segments per second wanted at each sample, shape (n,)."""
+    rate = np.empty(len(u))
+    ax, ay = (np.diff(u[:, i], 2) for i in (0, 1))
+    curvature = np.sqrt(ax * ax + ay * ay)
+    rate[1:-1] = np.sqrt(curvature * (1.0 / (8.0 * budget.tolerance * dt * dt)))
+    rate[:1], rate[-1:] = rate[1:2], rate[-2:-1]
+    if budget.min_length > 0:
+        speed = np.maximum(np.abs(np.diff(u[:, 0])), np.abs(np.diff(u[:, 1]))) / dt
+        np.minimum(rate[1:], speed / budget.min_length, out=rate[1:])
+    return np.clip(rate, MIN_RATE, budget.max_rate, out=rate)
+
+
+def _equidistribute(share: np.ndarray, fixed: np.ndarray) -> np.ndarray:
+    """Samples where the cumulative share passes an integer, stretched so that every fixed sample is one."""
+    wanted = share[fixed[1:]] - share[fixed[:-1]]
+    pieces = np.maximum(np.ceil(wanted - 1e-9), 1.0)
+    base = np.concatenate([[0.0], np.cumsum(pieces)])
+    length = np.diff(fixed)
+    first = fixed[0]
+    local = share[first:fixed[-1]] - np.repeat(share[fixed[:-1]], length)
+    local *= np.repeat(pieces / np.maximum(wanted, 1e-300), length)
+    local += np.repeat(base[:-1], length)
+    turns = np.floor(local).astype(np.int64)
+    inner = np.flatnonzero(turns[1:] != turns[:-1]) + 1 + first
+    return np.union1d(fixed, inner)
+
+
+def interpolate(values: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Piecewise linear curve through `values` (m,) at samples `nodes` (m,), at every sample between, shape (n,)."""
+    length = np.diff(nodes)
+    ramp = np.arange(nodes[-1] - nodes[0]) - np.repeat(nodes[:-1] - nodes[0], length)
+    slope = np.diff(values) / length
+    out = np.empty(nodes[-1] - nodes[0] + 1)
+    out[:-1] = np.repeat(values[:-1], length) + np.repeat(slope, length) * ramp
+    out[-1] = values[-1]
+    return out
+
+
+def _outside(u: np.ndarray, nodes: np.ndarray, budget: Budget, dt: float) -> np.ndarray:
+    """The worst sample of each chord that misses the tolerance by half and may still be divided."""
+    first, last = nodes[0], nodes[-1] + 1
+    error = np.abs(interpolate(u[nodes, 0], nodes) - u[first:last, 0])
+    np.maximum(error, np.abs(interpolate(u[nodes, 1], nodes) - u[first:last, 1]), out=error)
+    peak = np.maximum.reduceat(error[:-1], nodes[:-1] - first)
+    length = np.diff(nodes)
+    bad = np.flatnonzero((peak > 1.5 * budget.tolerance) & (length > max(1.0, 1.0 / (budget.max_rate * dt))))
+    return np.array([nodes[i] + int(np.argmax(error[nodes[i] - first : nodes[i + 1] - first])) for i in bad], dtype=nodes.dtype)
+
+
+def _merge_short(u: np.ndarray, nodes: np.ndarray, fixed: np.ndarray, min_length: float) -> np.ndarray:
+    """Nodes without those that end a segment shorter than `min_length` along both axes."""
+    pinned = np.isin(nodes, fixed)
+    for _ in range(16):
+        step = np.maximum(np.abs(np.diff(u[nodes, 0])), np.abs(np.diff(u[nodes, 1])))
+        short = step < min_length
+        drop = np.zeros(len(nodes), dtype=bool)
+        drop[1:] = short & ~pinned[1:]
+        before_pinned = np.flatnonzero(short & pinned[1:] & ~pinned[:-1])  # the rest before a fixed node: give up the other end
+        drop[before_pinned] = True
+        drop[1:] &= ~drop[:-1]  # neighbours one at a time: the merged segment may be long enough
+        if not drop.any():
+            break
+        nodes, pinned = nodes[~drop], pinned[~drop]
+    return nodes
+
+
+def fit(u: np.ndarray, nodes: np.ndarray, pinned: np.ndarray) -> np.ndarray:
+    """Node values whose piecewise linear curve is nearest to `u` in least squares.
+
+    u      : ndarray, shape (n, axes)       command at every sample; nodes[0] = 0 and nodes[-1] = n - 1
+    pinned : ndarray of bool, shape (m,)    nodes that keep the value of `u`
+
+    Returns ndarray, shape (m, axes). The hat functions' normal equations are tridiagonal; with theta = k / length the
+    sums over a segment's samples have closed forms.
+    """
+    length = np.diff(nodes).astype(float)
+    theta2 = (length - 1) * (2 * length - 1) / (6 * length)  # sum of theta^2 over a segment, its last sample excluded
+    theta1 = (length - 1) / 2
+    m = len(nodes)
+    band = np.zeros((2, m))  # upper form: band[1] the diagonal, band[0, j] couples j - 1 and j
+    band[1, :-1] = length - 2 * theta1 + theta2
+    band[1, 1:] += theta2
+    band[1, -1] += 1.0
+    band[0, 1:] = theta1 - theta2
+    ramp = (np.arange(nodes[-1]) - np.repeat(nodes[:-1], np.diff(nodes))) / np.repeat(length, np.diff(nodes))
+    values = np.empty((m, u.shape[1]))
+    for axis in range(u.shape[1]):
+        right = np.add.reduceat(u[:-1, axis] * ramp, nodes[:-1])
+        whole = np.add.reduceat(u[:-1, axis], nodes[:-1])
+        rhs = np.zeros(m)
+        rhs[:-1] = whole - right
+        rhs[1:] += right
+        rhs[-1] += u[-1, axis]
+        values[:, axis] = rhs
+    keep = u[nodes[pinned]]
+    coupling = band[0, 1:].copy()
+    index = np.flatnonzero(pinned)
+    inner = index[index > 0]
+    np.subtract.at(values, inner - 1, coupling[inner - 1, None] * u[nodes[inner]])
+    outer = index[index < m - 1]
+    np.subtract.at(values, outer + 1, coupling[outer, None] * u[nodes[outer]])
+    values[pinned] = keep
+    band[1, pinned] = 1.0
+    band[0, index] = 0.0
+    band[0, index[index < m - 1] + 1] = 0.0
+    return solveh_banded(band, values, check_finite=False)

@@ -1,0 +1,25 @@
+"""Moves against the machine's travel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fbfcli.errors import GcodeError
+from fbfcli.motion.moves import Moves
+
+EPS_MM = 1e-6  # rounding of sums of words
+
+
+def check_travel(moves: Moves, known: np.ndarray, travel: tuple[tuple[float, float], ...]) -> None:
+    """Refuse the first move that ends outside the travel of X or Y.
+
+    known : ndarray of bool, shape (n,)   moves whose start is known
+    Raises GcodeError with the line, the coordinate and the remedy.
+    """
+    for axis, (low, high) in enumerate(travel):
+        end = moves.start[:, axis] + moves.delta[:, axis]
+        bad = np.flatnonzero(known & ((end < low - EPS_MM) | (end > high + EPS_MM)))
+        if len(bad):
+            i = int(bad[0])
+            raise GcodeError(f"{'XY'[axis]}{end[i]:g} is outside the printer's travel {low:g} to {high:g} mm", line=int(moves.line[i]) + 1,
+                             remedy="move the part on the bed, or correct `travel` in the printer profile")

@@ -1,0 +1,223 @@
+"""From planned moves to commands: stretches sampled, compensated, and kept within the machine's limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fbfcli.control.compensator import Compensator, Stream
+from fbfcli.control.limits import Box, outside
+from fbfcli.errors import LimitError
+from fbfcli.motion.moves import E
+from fbfcli.motion.planner import Part
+from fbfcli.motion.sample import sample
+from fbfcli.motion.stretches import Grid, Rests, lay, scaled, stretch_starts
+
+SLOWER = 1.25  # a stretch that leaves the limits takes this many times longer, until it does not
+SLOWEST = 8.0
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Commands of a part that are final; n samples of s stretches.
+
+    grid       : Grid                            of all stretches of the part, its sample 0 being row 0 here
+    begin, end : ndarray of int, shape (s,)      first and last sample of each stretch here
+    start      : ndarray of int, shape (s,)      move of the part that each begins with
+    begun      : bool                            the first of them was begun in an earlier batch
+    desired    : ndarray, shape (n, 4)           X Y Z E [mm]
+    command    : ndarray, shape (n, 2)           X Y [mm]
+    extruding  : ndarray of bool, shape (n,)
+    dropped    : int                             samples that the next batch does not see again
+    """
+
+    grid: Grid
+    begin: np.ndarray
+    end: np.ndarray
+    start: np.ndarray
+    begun: bool
+    desired: np.ndarray
+    command: np.ndarray
+    extruding: np.ndarray
+    dropped: int
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Rows of a trajectory: desired (n, 4), extruding (n,), and the commands known so far (k <= n, 2)."""
+
+    desired: np.ndarray
+    extruding: np.ndarray
+    command: np.ndarray
+
+    def __getitem__(self, rows: slice) -> _Samples:
+        return _Samples(self.desired[rows], self.extruding[rows], self.command[rows])
+
+
+@dataclass(frozen=True)
+class _Open:
+    """A stretch that goes on in the next part: its samples from the last one written on."""
+
+    stream: Stream
+    phase: float
+    begun: bool
+    samples: _Samples
+
+
+@dataclass
+class _Attempt:
+    """One stretch: how stiff the compensator, how many times slower, and the command if it stands."""
+
+    fixed: bool  # it began in an earlier part
+    goes_on: bool
+    level: int = 0
+    slow: float = 1.0
+    command: np.ndarray | None = None
+    stream: Stream | None = None
+
+
+@dataclass
+class Remedies:
+    """Stretches that needed one to stay within the limits."""
+
+    stretches: int = 0
+    stiffened: int = 0
+    slowed: int = 0
+    slowest: float = 1.0
+    first_line: int | None = None
+
+    def count(self, attempt: _Attempt, line: int) -> None:
+        self.stretches += 1
+        self.slowed += attempt.slow > 1.0
+        self.stiffened += attempt.level > 0 and attempt.slow == 1.0
+        self.slowest = max(self.slowest, attempt.slow)
+        if self.first_line is None and (attempt.level or attempt.slow > 1.0):
+            self.first_line = line + 1
+
+
+class Commander:
+    """Commands for the moves of one file, part by part."""
+
+    def __init__(self, compensator: Compensator, box: Box, dt: float):
+        self._levels: list[Compensator] = [compensator]
+        self._box, self._dt = box, dt
+        self._rests = Rests(compensator.lead, compensator.tail, 0)
+        self._open: _Open | None = None
+        self.remedies = Remedies()
+
+    def batch(self, part: Part, inside: np.ndarray) -> Batch:
+        """The commands that are final with this part. Raises LimitError where limits cannot be kept."""
+        goes_on = bool(len(inside) and inside[-1] and part.next is not None and not part.next.stop[0])
+        starts = stretch_starts(part.moves, inside)
+        attempts = [_Attempt(bool(j == 0 and self._open), goes_on and j == len(starts) - 1) for j in range(len(starts))]
+        lines = part.moves.line[starts].tolist()
+        while True:
+            grid, desired, extruding = self._sampled(part, inside, attempts)
+            self._attempt(grid, desired, attempts)
+            grid, samples = self._joint(grid, _Samples(desired, extruding, _joined(attempts)))
+            bad = self._violations(grid, samples)
+            if not len(bad):
+                break
+            for j in bad.tolist():
+                self._remedy(attempts[j], lines[j])
+        for attempt, line in zip(attempts, lines, strict=True):
+            if not attempt.fixed:
+                self.remedies.count(attempt, line)
+        return self._finish(grid, samples, starts, attempts)
+
+    def _sampled(self, part: Part, inside: np.ndarray, attempts: list[_Attempt]) -> tuple[Grid, np.ndarray, np.ndarray]:
+        """Grid, desired positions and where E is pushed, of the stretches of a part (an open one: its new samples)."""
+        profile = part.profile
+        slow = np.array([attempt.slow for attempt in attempts])
+        if (slow != 1.0).any():
+            stretch = np.searchsorted(stretch_starts(part.moves, inside), np.arange(len(inside)), side="right") - 1
+            profile = scaled(profile, np.where(inside, slow[stretch], 1.0))
+        phase = self._open.phase if self._open else None
+        goes_on = bool(attempts and attempts[-1].goes_on)
+        grid = lay(part.moves, inside, profile.duration, self._dt, self._rests, phase, goes_on)
+        if not len(grid.move):
+            return grid, np.zeros((0, 4)), np.zeros(0, dtype=bool)
+        moves, timing = (part.moves, profile) if inside.all() else (part.moves[grid.move], profile[grid.move])
+        x, index = sample(moves.start, moves.delta, moves.distance, timing, grid.t0 * self._dt, grid.count, self._dt)
+        new = slice(1 if self._open else 0, None)
+        for k in range(self._rests.lead + 1):  # before its first move a stretch rests where that begins
+            x[grid.begin[new] + k] = moves.start[grid.first[:-1][new]]
+        return grid, x, (moves.delta[:, E] > 0.0)[index]
+
+    def _attempt(self, grid: Grid, desired: np.ndarray, attempts: list[_Attempt]) -> None:
+        """Compensate every stretch that has no command yet."""
+        weight = np.ones(len(desired))
+        for attempt, a, b in zip(attempts, grid.begin.tolist(), (grid.end + 1).tolist(), strict=True):
+            if attempt.command is None:
+                y_d = desired[a:b, :2]
+                stream = self._open.stream if attempt.fixed and self._open else self._level(attempt.level).start(y_d[0])
+                attempt.stream, attempt.command = stream, stream.push(y_d, weight[a:b], not attempt.goes_on)
+
+    def _level(self, level: int) -> Compensator:
+        """The compensator made `level` times stiffer, or as stiff as it gets."""
+        while len(self._levels) <= level:
+            stiffer = self._levels[-1].stiffer()
+            if stiffer is None:
+                break
+            self._levels.append(stiffer)
+        return self._levels[min(level, len(self._levels) - 1)]
+
+    def _joint(self, grid: Grid, samples: _Samples) -> tuple[Grid, _Samples]:
+        """What is left of an open stretch put in front of its new samples."""
+        if not self._open:
+            return grid, samples
+        left = self._open.samples
+        shift = len(left.desired)
+        grid = replace(grid, begin=np.concatenate([[0], grid.begin[1:] + shift]), end=grid.end + shift, t0=grid.t0 + shift,
+                       count=grid.count + shift)
+        return grid, _Samples(
+            np.concatenate([left.desired, samples.desired]),
+            np.concatenate([left.extruding, samples.extruding]),
+            np.concatenate([left.command, samples.command]),
+        )
+
+    def _violations(self, grid: Grid, samples: _Samples) -> np.ndarray:
+        """Indices of the stretches whose command leaves the limits."""
+        u = samples.command
+        begin = grid.begin[grid.begin < len(u)]
+        if not len(begin) or self._levels[0].name == "none":
+            return np.zeros(0, dtype=np.int64)
+        return np.flatnonzero(outside(u, samples.desired[: len(u), :2], begin, self._dt, self._box))
+
+    def _remedy(self, attempt: _Attempt, line: int) -> None:
+        """Stiffer first, then slower."""
+        if attempt.fixed:
+            raise LimitError(_TOO_FAST.format(line + 1))
+        if self._level(attempt.level + 1) is not self._level(attempt.level):
+            attempt.level += 1
+        elif attempt.slow < SLOWEST and not attempt.goes_on:
+            attempt.slow *= SLOWER
+        else:
+            raise LimitError(_TOO_FAST.format(line + 1))
+        attempt.command = None
+
+    def _finish(self, grid: Grid, samples: _Samples, starts: np.ndarray, attempts: list[_Attempt]) -> Batch:
+        """Keep back what is not final."""
+        before, begin = self._open, grid.begin
+        n = dropped = len(samples.command)
+        self._open = None
+        if attempts and attempts[-1].goes_on and attempts[-1].stream:
+            writes = n - begin[-1] >= 2
+            if writes:
+                dropped = n - 1
+            else:
+                n = dropped = int(begin[-1])
+            begun = bool(writes or (before and before.begun and len(begin) == 1))
+            self._open = _Open(attempts[-1].stream, grid.phase, begun, samples[dropped:])
+        here = begin < n
+        return Batch(grid, begin[here], np.minimum(grid.end[here], n - 1), starts[here], bool(before and before.begun),
+                     samples.desired[:n], samples.command[:n], samples.extruding[:n], dropped)
+
+
+_TOO_FAST = "line {}: the compensated command leaves the printer's limits; plan with a lower --accel, or give a larger --mu"
+
+
+def _joined(attempts: list[_Attempt]) -> np.ndarray:
+    """The commands one after the other, shape (n, 2)."""
+    return np.concatenate([attempt.command for attempt in attempts if attempt.command is not None] or [np.zeros((0, 2))])

@@ -1,0 +1,133 @@
+"""The order of the steps: text, moves, plan, trajectory, command, nodes, text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fbfcli import __version__
+from fbfcli.control.compensator import Compensator
+from fbfcli.control.design import design
+from fbfcli.control.limits import Box
+from fbfcli.errors import ProfileError
+from fbfcli.gcode.stamp import stamp
+from fbfcli.motion.nodes import Budget
+from fbfcli.pipeline.commander import Commander, Remedies
+from fbfcli.pipeline.reader import Reader
+from fbfcli.pipeline.scribe import Patch, Scribe
+from fbfcli.pipeline.settings import Settings
+from fbfcli.pipeline.summary import BUSY, Errors, Summary
+from fbfcli.plant.model import Plant, impulse_response, modes, plant_of
+from fbfcli.printer import Printer
+from fbfcli.verify.tally import Tally
+
+MARLIN_STEPS = 6  # MIN_STEPS_PER_SEGMENT: Marlin drops shorter moves
+
+
+@dataclass(frozen=True)
+class Done:
+    """A file that has been compensated, and the times to be filled in."""
+
+    summary: Summary
+    patches: tuple[Patch, ...]
+    time: float
+
+
+def plants_of(printer: Printer, dt: float) -> tuple[Plant, Plant]:
+    """Plants of X and Y at period dt. Raises ModelError, ProfileError."""
+    plants = []
+    for axis in printer.axes[:2]:
+        if axis.model is None:
+            raise ProfileError(f"{printer.name}: axis {axis.name} has no model (write [axis.{axis.name}.model])")
+        plants.append(plant_of(axis.model, dt, axis.name))
+    return plants[0], plants[1]
+
+
+def compensator_of(plants: tuple[Plant, Plant], settings: Settings) -> Compensator:
+    """The method of the settings, designed for the plants. Raises ModelError."""
+    h = [impulse_response(plant) for plant in plants]
+    return design(settings.method, h, [modes(plant) for plant in plants], settings.dt, settings.options)
+
+
+def compensate(chunks: Iterable[bytes], printer: Printer, settings: Settings, write: Callable[[bytes], None],
+               progress: Callable[[int], None] = lambda done: None) -> Done:
+    """Compensate a file.
+
+    chunks   : its text, whole lines
+    write    : takes the new text
+    progress : told how many bytes of the old text have been read
+
+    Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
+    """
+    plants = plants_of(printer, settings.dt)
+    budget = _budget(printer, settings)
+    tally = Tally([(plant.b, plant.a) for plant in plants])
+    told = stamp(__version__, f'printer="{printer.name}" {settings.told()}')
+    commander = Commander(compensator_of(plants, settings), _box(printer), settings.dt)
+    scribe = Scribe(printer.firmware, printer.limits, budget, settings.dt, tally, write, told, settings.patch_times)
+    reader = Reader(printer, settings)
+    for portion in reader.portions(chunks, progress):
+        batch = commander.batch(portion.part, portion.inside)
+        scribe.batch(batch, portion.part, portion.inside, portion.lines, portion.table)
+    scribe.finish()
+    summary = _summary(printer, settings, budget, reader, scribe, tally, commander.remedies)
+    return Done(summary, tuple(scribe.patches), scribe.elapsed)
+
+
+def _box(printer: Printer) -> Box:
+    axes = printer.axes[:2]
+    return Box(
+        low=np.array([axis.travel[0] for axis in axes]),
+        high=np.array([axis.travel[1] for axis in axes]),
+        velocity=np.array([axis.command_velocity for axis in axes]),
+        acceleration=np.array([axis.command_acceleration for axis in axes]),
+    )
+
+
+def _budget(printer: Printer, settings: Settings) -> Budget:
+    rate = settings.segments_per_second or printer.segments_per_second
+    finest = max(axis.steps_per_mm for axis in printer.axes[:2])
+    return Budget(settings.tolerance, rate, MARLIN_STEPS / finest if printer.firmware == "marlin" else 0.0)
+
+
+def _summary(printer: Printer, settings: Settings, budget: Budget, reader: Reader, scribe: Scribe, tally: Tally,
+             remedies: Remedies) -> Summary:
+    return Summary(
+        printer=printer.name,
+        method=settings.method,
+        settings=settings.told(),
+        time_as_sliced=reader.time_as_sliced + scribe.dwelt,
+        time=scribe.elapsed,
+        lines=reader.count,
+        moves=reader.moves,
+        left_alone=reader.left_alone,
+        segments=tally.segments,
+        segments_per_second=tally.rate,
+        busiest_second=tally.busiest,
+        budget=budget.max_rate,
+        follow_error=Errors(**tally.follow.figures()),
+        clock_drift_ppm=tally.drift_ppm,
+        contour_before=Errors(**tally.before.figures()),
+        contour_after=Errors(**tally.after.figures()),
+        stretches=remedies.stretches,
+        stiffened=remedies.stiffened,
+        slowed=remedies.slowed,
+        slowest=remedies.slowest,
+        warnings=_warnings(reader, tally, budget, remedies),
+    )
+
+
+def _warnings(reader: Reader, tally: Tally, budget: Budget, remedies: Remedies) -> tuple[str, ...]:
+    told = list(reader.warnings)
+    if remedies.stiffened or remedies.slowed:
+        told.append(f"limits: {remedies.stiffened} of {remedies.stretches} stretches compensated more gently, {remedies.slowed} slowed "
+                    f"(up to {remedies.slowest:.2f} times), the first at line {remedies.first_line}")
+    if tally.busiest > BUSY * budget.max_rate:
+        told.append(f"{tally.busiest} segments in one second, more than the firmware takes: raise --tolerance")
+    if not tally.segments:
+        told.append("nothing was compensated: no move of X or Y has a known start")
+    elif reader.left_alone:
+        told.append(f"{reader.left_alone} moves of X or Y left as they are: unknown start, or Z too steep to follow")
+    return tuple(told)

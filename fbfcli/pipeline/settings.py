@@ -1,0 +1,42 @@
+"""What a user may set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+TOLERANCE_MM = 5e-3
+DT_S = 1e-3
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a file is compensated.
+
+    method      : a name of control.design.METHODS
+    tolerance   : of a written chord from the command [mm]
+    dt          : period of the trajectory [s]
+    acceleration, velocity : planned instead of what the profile and the file say [mm/s^2], [mm/s]; None: theirs
+    segments_per_second    : what the firmware can take; None: the profile's
+    options     : of the method (control.design)
+    patch_times : time comments and M73 are written padded, to be filled in at the end
+    """
+
+    method: str = "lpfbs"
+    tolerance: float = TOLERANCE_MM
+    dt: float = DT_S
+    acceleration: float | None = None
+    velocity: float | None = None
+    segments_per_second: float | None = None
+    options: Mapping[str, float] = field(default_factory=dict)
+    patch_times: bool = True
+
+    def told(self) -> str:
+        """The settings on one line, for the stamp."""
+        parts = [f"method={self.method}", f"tolerance={1e3 * self.tolerance:g}um"]
+        if self.acceleration is not None:
+            parts.append(f"accel={self.acceleration:g}")
+        if self.velocity is not None:
+            parts.append(f"velocity={self.velocity:g}")
+        parts += [f"{name}={value:g}" for name, value in sorted(self.options.items())]
+        return " ".join(parts)

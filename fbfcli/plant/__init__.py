@@ -1,0 +1,1 @@
+"""Frequency f: what the machine makes of a command."""

@@ -1,0 +1,111 @@
+"""A printer: its firmware, limits, axes and models. Profiles are read by `printer_toml`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, nan
+
+FIRMWARES = ("klipper", "marlin", "reprapfirmware")
+KINEMATICS = ("cartesian", "corexy", "delta")
+
+Four = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the planner allows, in force at some line of a file. Units mm, s.
+
+    Klipper reads `velocity`, `acceleration`, `square_corner_velocity`, `minimum_cruise_ratio`, the Z and E entries of
+    `axis_velocity` and `axis_acceleration`, and the E entry of `jerk` (instantaneous_corner_velocity).
+    Marlin and RepRapFirmware read the rest; Marlin uses classic jerk where `junction_deviation` is nan.
+    """
+
+    velocity: float = inf
+    acceleration: float = 3000.0  # extruding moves (M204 P); Klipper's max_accel for every move
+    travel_acceleration: float = 3000.0  # M204 T
+    retract_acceleration: float = 3000.0  # M204 R, moves of E alone
+    axis_velocity: Four = (inf, inf, inf, inf)  # M203, X Y Z E
+    axis_acceleration: Four = (inf, inf, inf, inf)  # M201
+    jerk: Four = (inf, inf, inf, inf)  # M205 X Y Z E, M566
+    junction_deviation: float = nan  # M205 J
+    square_corner_velocity: float = 5.0
+    minimum_cruise_ratio: float = 0.5
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One vibration mode: gain * w^2 / (s^2 + 2 damping w s + w^2), w = 2 pi frequency [Hz]."""
+
+    frequency: float
+    damping: float
+    gain: float = 1.0
+
+
+@dataclass(frozen=True)
+class ModalModel:
+    """A sum of modes; the gains sum to one (position follows the command at rest)."""
+
+    modes: tuple[Mode, ...]
+
+
+@dataclass(frozen=True)
+class TransferFunction:
+    """Discrete transfer function b(z^-1) / a(z^-1) at period `dt` [s]."""
+
+    b: tuple[float, ...]
+    a: tuple[float, ...]
+    dt: float
+
+
+@dataclass(frozen=True)
+class ImpulseResponse:
+    """Finite impulse response `h` at period `dt` [s], read from a CSV named in the profile."""
+
+    h: tuple[float, ...]
+    dt: float
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """Complex response at `frequency` [Hz]: `magnitude` [1] and `phase` [rad]."""
+
+    frequency: tuple[float, ...]
+    magnitude: tuple[float, ...]
+    phase: tuple[float, ...]
+
+
+Model = ModalModel | TransferFunction | ImpulseResponse | FrequencyResponse
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One linear axis of the tool. `model` is None for an axis that is not compensated (Z).
+
+    travel                : lowest and highest position the machine can reach [mm]
+    steps_per_mm          : of the motor
+    command_velocity      : highest speed a compensated command may have [mm/s]
+    command_acceleration  : highest acceleration a compensated command may have [mm/s^2]
+    """
+
+    name: str
+    travel: tuple[float, float]
+    steps_per_mm: float
+    command_velocity: float = inf
+    command_acceleration: float = inf
+    model: Model | None = None
+
+
+@dataclass(frozen=True)
+class Printer:
+    """Everything fbf knows of a machine. `axes` are X, Y, Z in this order."""
+
+    name: str
+    source: str  # where the numbers come from, for people
+    firmware: str
+    kinematics: str
+    axes: tuple[Axis, Axis, Axis]
+    limits: Limits  # in force at power-on
+    segments_per_second: float  # what the firmware can take
+    nozzle_diameter: float = 0.4
+    max_extrude_cross_section: float = inf  # Klipper refuses thicker lines [mm^2]
+    filament_diameter: float = 1.75

@@ -1,0 +1,1 @@
+"""Error: the firmware, the plant and the path, executed."""
