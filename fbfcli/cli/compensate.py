@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,7 +19,25 @@ if TYPE_CHECKING:
     from fbfcli.pipeline import Done, Settings
 
 SUFFIX = ".fbf"
-METHODS = ("none", "zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei", "lpfbs", "fbf")  # as control.design, without importing numpy
+METHODS = (
+    "none",
+    "zv",
+    "mzv",
+    "zvd",
+    "ei",
+    "2hump_ei",
+    "3hump_ei",
+    "lpfbs",
+    "fbf",
+)  # as control.design, without importing numpy
+SPLINE_METHODS = ("lpfbs", "fbf")
+SPLINE_OPTIONS = {"knots", "degree", "mu", "preview", "fir", "settle"}
+OPTION_NAMES = (
+    ("knots", "L"),
+    ("preview", "preview"),
+    ("settle", "lead"),
+    ("settle", "tail"),
+)  # as control.design has them
 UM_PER_MM = 1e3
 MS_PER_S = 1e3
 
@@ -28,26 +46,82 @@ Write = Callable[[bytes], object]
 
 @click.command(no_args_is_help=False)
 @click.argument("file", default=DASH, metavar="[FILE]")
-@click.option("-p", "--printer", metavar="NAME|FILE", help="Printer profile (else FBF_PRINTER, else ~/.config/fbf/printer.toml).")
-@click.option("-o", "--output", metavar="FILE", help="Write here; - is standard output. [default: FILE with .fbf before its ending]")
+@click.option(
+    "-p", "--printer", metavar="NAME|FILE", help="Printer profile (else FBF_PRINTER, else ~/.config/fbf/printer.toml)."
+)
+@click.option(
+    "-o",
+    "--output",
+    metavar="FILE",
+    help="Write here; - is standard output. [default: FILE with .fbf before its ending]",
+)
 @click.option("-i", "--in-place", is_flag=True, help="Change FILE itself, as slicers expect of a post-processor.")
-@click.option("-m", "--method", type=click.Choice(METHODS), default="lpfbs", show_default=True, help="How the command is computed.")
-@click.option("--accel", type=click.FloatRange(min=0, min_open=True), metavar="MM/S2", help="Plan with this acceleration instead of the file's.")
-@click.option("--velocity", type=click.FloatRange(min=0, min_open=True), metavar="MM/S", help="Plan with this speed limit instead of the file's.")
-@click.option("--tolerance", type=click.FloatRange(0.1, 1000), default=5.0, show_default=True, metavar="UM", help="Of a written segment from the command.")
-@click.option("--segments", type=click.FloatRange(min=10), metavar="PER_S", help="Segments per second the firmware takes. [default: the profile's]")
+@click.option(
+    "-m",
+    "--method",
+    type=click.Choice(METHODS),
+    default="lpfbs",
+    show_default=True,
+    help="How the command is computed.",
+)
+@click.option(
+    "--accel",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="MM/S2",
+    help="Plan with this acceleration instead of the file's.",
+)
+@click.option(
+    "--velocity",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="MM/S",
+    help="Plan with this speed limit instead of the file's.",
+)
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(0.1, 1000),
+    default=5.0,
+    show_default=True,
+    metavar="UM",
+    help="Of a written segment from the command.",
+)
+@click.option(
+    "--segments",
+    type=click.FloatRange(min=10),
+    metavar="PER_S",
+    help="Segments per second the firmware takes. [default: the profile's]",
+)
 @click.option("--knots", type=click.IntRange(1, 200), metavar="MS", help="lpfbs, fbf: spacing of the spline's knots.")
 @click.option("--degree", type=click.IntRange(2, 9), metavar="M", help="lpfbs, fbf: degree of the spline.")
-@click.option("--mu", type=click.FloatRange(min=0), metavar="WEIGHT", help="lpfbs, fbf: weight on the command's curvature.")
+@click.option(
+    "--mu", type=click.FloatRange(min=0), metavar="WEIGHT", help="lpfbs, fbf: weight on the command's curvature."
+)
 @click.option("--preview", type=click.IntRange(10, 5000), metavar="MS", help="lpfbs: how far the method looks ahead.")
-@click.option("--settle", type=click.IntRange(0, 1000), metavar="MS", help="lpfbs, fbf: rest kept before and after each stretch of motion.")
+@click.option("--fir", type=click.IntRange(10, 20000), metavar="MS", help="lpfbs, fbf: length of the impulse response.")
+@click.option(
+    "--settle",
+    type=click.IntRange(0, 1000),
+    metavar="MS",
+    help="lpfbs, fbf: rest kept before and after each stretch of motion.",
+)
 @click.option("--json", "json_to", metavar="FILE", help="Write the summary as JSON; - is standard output.")
-@click.option("--log", "log_to", metavar="FILE", help="Append the summary, or the error, to a file (Windows slicers hide both).")
+@click.option(
+    "--log", "log_to", metavar="FILE", help="Append the summary, or the error, to a file (Windows slicers hide both)."
+)
 @click.option("-n", "--dry-run", is_flag=True, help="Compute and tell everything, write nothing.")
 @click.option("-f", "--force", is_flag=True, help="Compensate a file that is compensated already.")
 @click.option("-q", "--quiet", is_flag=True, help="No progress, no summary; errors are still told.")
-def compensate(file: str, printer: str | None, output: str | None, in_place: bool, json_to: str | None, log_to: str | None,
-               dry_run: bool, force: bool, quiet: bool, **how: object) -> None:
+def compensate(
+    file: str,
+    printer: str | None,
+    output: str | None,
+    in_place: bool,
+    json_to: str | None,
+    log_to: str | None,
+    dry_run: bool,
+    force: bool,
+    quiet: bool,
+    **how: Any,
+) -> None:
     """Change a print so that a vibrating printer follows it.
 
     The motion is planned as the firmware would, the printer's measured vibration is inverted, and the result is
@@ -92,27 +166,34 @@ def _beside(file: str) -> str:
     return str(path.with_name(path.stem + SUFFIX + path.suffix))
 
 
-def _settings(how: dict[str, object], patch_times: bool) -> Settings:
+def _settings(how: dict[str, Any], patch_times: bool) -> Settings:
     from fbfcli.pipeline import Settings
 
     given = {name: value for name, value in how.items() if value is not None}
-    options = {name: float(given[option]) for option, name in (("degree", "degree"), ("mu", "mu")) if option in given}  # type: ignore[arg-type]
-    settings = Settings()
-    for option, names in (("knots", ("L",)), ("settle", ("lead", "tail")), ("preview", ("preview",))):
-        if option in given:
-            options |= {name: round(float(given[option]) / MS_PER_S / settings.dt) for name in names}  # type: ignore[arg-type]
+    if given["method"] not in SPLINE_METHODS and (idle := sorted(given.keys() & SPLINE_OPTIONS)):
+        raise click.UsageError(f"--{idle[0]} is for {' and '.join(SPLINE_METHODS)}, not for {given['method']}")
+    samples = {
+        name: round(given[name] / MS_PER_S / Settings.dt)
+        for name in ("knots", "preview", "settle", "fir")
+        if name in given
+    }
+    options: dict[str, float] = {name: float(given[name]) for name in ("degree", "mu") if name in given}
+    options |= {name: samples[option] for option, name in OPTION_NAMES if option in samples}
     return Settings(
-        method=str(given["method"]),
-        tolerance=float(given["tolerance"]) / UM_PER_MM,  # type: ignore[arg-type]
-        acceleration=given.get("accel"),  # type: ignore[arg-type]
-        velocity=given.get("velocity"),  # type: ignore[arg-type]
-        segments_per_second=given.get("segments"),  # type: ignore[arg-type]
+        method=given["method"],
+        tolerance=given["tolerance"] / UM_PER_MM,
+        acceleration=given.get("accel"),
+        velocity=given.get("velocity"),
+        segments_per_second=given.get("segments"),
         options=options,
+        fir=samples.get("fir"),
         patch_times=patch_times,
     )
 
 
-def _compensate(file: str, target: str | None, printer: str | None, settings: Settings, force: bool, quiet: bool) -> Done:
+def _compensate(
+    file: str, target: str | None, printer: str | None, settings: Settings, force: bool, quiet: bool
+) -> Done:
     """Read, compensate and write; the output appears when all of it is there."""
     from fbfcli.gcode.scan import chunks
     from fbfcli.gcode.stamp import HEAD_BYTES, is_stamped
@@ -121,13 +202,18 @@ def _compensate(file: str, target: str | None, printer: str | None, settings: Se
     profile = find_printer(printer)
     with reading(file) as source, _progress(file, quiet) as progress:
         texts = chunks(source)
-        first = next(texts, b"")
+        try:
+            first = next(texts, b"")
+        except GcodeError as error:
+            raise error.at(file) from None
         if is_stamped(first[:HEAD_BYTES]) and not force:
-            raise FbfError(f"{file}: is compensated already; a second pass would shake the print (--force does it all the same)")
+            raise FbfError(
+                f"{file}: is compensated already; a second pass would shake the print (--force does it all the same)"
+            )
 
         def work(write: Write) -> Done:
             try:
-                return run(_again(first, texts), profile, settings, lambda text: write(text) and None, progress)
+                return run(_again(first, texts), profile, settings, write, progress)
             except GcodeError as error:
                 raise error.at(file) from None
             except LimitError as error:

@@ -50,11 +50,15 @@ class Compensator(Protocol):
         ...
 
 
+AT_REST = 4  # samples held at least: the first and last segment of a stretch are slow, and so is the corner to what is next
+
+
 class Uncompensated:
     """u = y_d."""
 
     name = "none"
-    lead = tail = settle = preview = 0
+    lead = tail = AT_REST
+    settle = preview = 0
 
     def start(self, y_0: np.ndarray) -> Uncompensated:
         """The stretch needs no memory: the compensator is its own stream."""

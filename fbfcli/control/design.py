@@ -29,7 +29,7 @@ from fbfcli.control.windows import AxisSolver, SplineCompensator
 from fbfcli.errors import ModelError
 
 METHODS = ("none", *MAX_DAMPING, "lpfbs", "fbf")
-OPTIONS = ("degree", "L", "mu", "n_C", "n_up", "lead", "tail", "frequency", "damping")
+OPTIONS = ("degree", "L", "mu", "preview", "n_C", "n_up", "lead", "tail", "frequency", "damping")
 DEGREE = 5
 KNOT_S = (0.004, 0.006)  # knots at 0.3 / f_max, no closer than finer knots pay, no wider than a short hold allows
 RHO = 0.1  # curvature weight: u'' of (w_n)^2 times a displacement costs a tenth of that displacement as error
@@ -49,7 +49,7 @@ def design(name: str, h: Sequence[np.ndarray], modes: Sequence[Modes], dt: float
 
     h       : one impulse response per axis, sum 1, period dt [s]
     modes   : per axis (frequency [Hz], damping, weight), strongest first
-    options : degree, L (samples between knots), mu, n_C, n_up, lead, tail of lpfbs and fbf;
+    options : degree, L (samples between knots), mu, preview [samples], n_C, n_up, lead, tail of lpfbs and fbf;
               frequency, damping of shapers
 
     Raises ModelError where the method cannot work on the plant, ValueError for an unknown name or option.
@@ -102,7 +102,7 @@ def _spline(name: str, h: tuple[np.ndarray, ...], modes: tuple[Modes, ...], dt: 
 def _limited(basis: Basis, h: Sequence[np.ndarray], mu: Sequence[float], dt: float,
              given: Mapping[str, float]) -> tuple[int, int, Sequence[AxisSolver]]:  # fmt: skip
     """Windows that keep as many coefficients as they preview; the preview grows until errors die out within windows."""
-    preview = ceil(PREVIEW_S / dt / basis.L)
+    preview = ceil(given.get("preview", PREVIEW_S / dt) / basis.L)
     for _ in range(ATTEMPTS):
         n_up = int(given.get("n_up", preview))
         n_C = int(given.get("n_C", n_up + preview))
@@ -111,7 +111,7 @@ def _limited(basis: Basis, h: Sequence[np.ndarray], mu: Sequence[float], dt: flo
         radius = max(solver.radius for solver in solvers)
         if radius < UNSTABLE:
             return n_C, n_up, solvers
-        if "n_C" in given:
+        if given.keys() & {"n_C", "preview"}:
             break
         preview = ceil(LONGER * preview)
     raise ModelError(f"windows of {n_C} coefficients that keep {n_up} amplify their errors {radius:.3g} times per "

@@ -15,6 +15,7 @@ from math import exp, pi, sqrt
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
+from fbfcli.control.compensator import AT_REST
 from fbfcli.errors import ModelError
 
 V_TOL = 0.05  # vibration an EI shaper leaves at its design frequency
@@ -128,8 +129,8 @@ def shaper(name: str, vibrations: Sequence[tuple[float, float]], dt: float) -> S
     """The named shaper for one (f, zeta) per axis at period dt [s]. Raises ModelError: see `impulses`."""
     made = [impulses(name, f, zeta) for f, zeta in vibrations]
     offsets = [(T - A @ T) / dt for A, T in made]
-    lead = max(int(np.ceil(-t.min())) for t in offsets)
-    tail = max(int(np.ceil(t.max())) for t in offsets)
+    lead = max(int(np.ceil(-t.min())) for t in offsets) + AT_REST
+    tail = max(int(np.ceil(t.max())) for t in offsets) + AT_REST
     taps = np.zeros((len(made), lead + tail + 2))
     for row, (A, _), t in zip(taps, made, offsets, strict=True):
         j = np.floor(t + lead).astype(int)

@@ -18,6 +18,7 @@ from fbfcli.units import MM_PER_INCH
 
 AXES = "XYZE"
 MS_PER_S = 1000.0
+ABSURD = 1e12  # hosts "switch off" a limit with numbers up to about 1e9
 
 
 class Kind(IntEnum):
@@ -45,8 +46,8 @@ class Command:
         if key not in self.words:
             return None
         text = self.words[key].split(":")[0]  # RepRapFirmware lists one value per drive: E1000:1000
-        if not _NUMBER.fullmatch(text):
-            raise GcodeError(f"{self.name} has no number after {key}", remedy="correct the line, or remove it")
+        if not _NUMBER.fullmatch(text) or abs(float(text)) > ABSURD:
+            raise GcodeError(f"{self.name} has no sensible number after {key}", remedy="correct the line, or remove it")
         return float(text)
 
     def axes(self) -> dict[int, float]:
@@ -110,13 +111,14 @@ def parse_command(text: str) -> Command:
     text = _NUMBERED_LINE.sub("", text, count=1) if text[:1] in "Nn \t" and _NUMBERED_LINE.match(text) else text
     classic = _CLASSIC.match(text)
     if not classic:
-        name, *rest = text.split(None, 1) or [""]
-        return Command(name.upper(), {k.upper(): v.strip('"') for k, v in _KEY.findall("".join(rest))})
+        name, rest = [*text.split(None, 1), "", ""][:2]
+        return Command(name.upper(), {k.upper(): v.strip('"') for k, v in _KEY.findall(rest)})
     letter, number = classic[1].upper(), classic[2]
     rest = text[classic.end() :].split("*")[0].upper()
     words = {k: v.strip() for k, v in _WORD.findall(rest)}
     whole, _, part = number.partition(".")
-    return Command(letter + str(int(whole)) + (f".{int(part)}" if part.strip("0") else ""), words)
+    part = part.rstrip("0")
+    return Command(letter + (whole.lstrip("0") or "0") + (part and "." + part), words)
 
 
 @lru_cache(maxsize=4096)

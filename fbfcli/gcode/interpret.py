@@ -1,6 +1,6 @@
 """Lines of G-code to straight moves and to what each line means, with the modal state carried from chunk to chunk.
 
-Plain motion is array code. Lines that only a grammar can read (several commands, sixteen digits, a sign in the wrong
+Plain motion is array code. Lines that only a grammar can read (several commands, a sign in the wrong
 place) go through pygcode here, or are refused with their place.
 """
 
@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fbfcli.errors import GcodeError
-from fbfcli.gcode.coordinates import track
+from fbfcli.gcode.coordinates import Track, track
 from fbfcli.gcode.dialects import UNKNOWN, Effect, Kind, effect_of
-from fbfcli.gcode.modal import at_line, code_of, modal
-from fbfcli.gcode.motion import feeds, motion_modes, moves_of, refuse_absurd
+from fbfcli.gcode.modal import Modal, at_line, code_of, modal
+from fbfcli.gcode.motion import Feed, feeds, motion_modes, moves_of, refuse_absurd
 from fbfcli.gcode.scan import G0, G1, G2, G3, G5, LETTERS, MODAL, ODD, OTHER, Lines
 from fbfcli.gcode.state import State, initial_state
 from fbfcli.motion.moves import E, Moves, X, Y, Z
@@ -99,9 +99,15 @@ def interpret(lines: Lines, state: State, printer: Printer) -> tuple[Block, Stat
         state=modes.in_force,
         warnings=warnings,
     )
+    return block, replace(_after(state, modes, way, feed), motion_mode=int(motion_mode[-1]), resting=resting,
+                          warned=state.warned | set(warnings))  # fmt: skip
+
+
+def _after(state: State, modes: Modal, way: Track, feed: Feed) -> State:
+    """State after the last line, as far as it lies in coordinates, modes and feed rate."""
     x, y, z, e = (float(at[-1]) for at in way.logical)
     u, v, w, f = (float(at[-1]) for at in way.offset)
-    after = replace(
+    return replace(
         state,
         logical=(x, y, z, e),
         offset=(u, v, w, f),
@@ -115,11 +121,7 @@ def interpret(lines: Lines, state: State, printer: Printer) -> tuple[Block, Stat
         feed=float(feed.written[-1]),
         feed_unit=feed.unit,
         speed_factor=modes.last["speed_factor"],
-        motion_mode=int(motion_mode[-1]),
-        resting=resting,
-        warned=state.warned | set(warnings),
     )
-    return block, after
 
 
 def _odd_lines(lines: Lines, firmware: str) -> tuple[Lines, Mapping[int, tuple[Effect, ...]]]:

@@ -105,6 +105,8 @@ def join(parts: Sequence[Listing]) -> Listing:
         return parts[0]
     texts = [part.text[part.begin[0] : part.end[-1]] for part in parts]
     place = np.cumsum([0] + [len(text) for text in texts[:-1]]) - [part.begin[0] for part in parts]
-    rows = {f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Listing) if f.name != "text"}
+    rows = {
+        f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Listing) if f.name != "text"
+    }
     move = np.repeat(place, [len(part) for part in parts])
     return Listing(b"".join(texts), **{**rows, "begin": rows["begin"] + move, "end": rows["end"] + move})

@@ -65,58 +65,71 @@ def code_of(raw: bytes) -> str:
 def modal(lines: Lines, odd: Effects, state: State, firmware: str) -> Modal:
     """Modes of `lines`; `odd` holds the effects of lines with several commands. Raises GcodeError."""
     n = len(lines)
-    modes = {"g91": state.g91, "m83": state.m83, "inch": state.inch, "plane": state.plane,
-             "speed_factor": state.speed_factor}  # fmt: skip
-    history: dict[str, list[tuple[int, float]]] = {name: [(0, value)] for name, value in modes.items()}
-    relative_e = [(0, e_is_relative(state.g91, state.m83, firmware))]
-    table = _LimitsTable(state)
+    journal = _Journal(n, state, firmware)
     kind = np.full(n, Kind.MOTION, np.uint8)
     kind[lines.code == scan.BLANK] = Kind.BLANK
-    wait = np.zeros(n)
-    stops: list[int] = []
-    lost: list[int] = []
-    declared: list[tuple[int, int, float]] = []
-    homed: list[tuple[int, int]] = []
-    warnings: list[str] = []
     for i, effect in _effects(lines, odd, firmware):
         if lines.code[i] == scan.OTHER:
             kind[i] = effect.kind
-        if effect.limits:
-            table.change(i, effect.limits)
-            continue
-        if effect.stops:
-            stops.append(i)
-            wait[i] = effect.wait
-        if effect.lost:
-            lost.append(i)
-        if effect.homed:
-            homed.extend((i, axis) for axis in effect.homed)
-        for axis, value in effect.position:
-            declared.append((i, axis, value * unit(bool(modes["inch"]))))
-        for name, value in effect.modes:
-            modes[name] = value
-            history[name].append((i, value))
-            relative_e.append((i, e_is_relative(bool(modes["g91"]), bool(modes["m83"]), firmware)))
-        if effect.warning:
-            warnings.append(effect.warning)
+        journal.note(i, effect)
     kind[_time_comments(lines)] = Kind.PROGRESS
+    history, table = journal.history, journal.table
     return Modal(
         kind=kind,
-        wait=wait,
+        wait=journal.wait,
         xy_relative=_steps(n, history["g91"], bool),
-        e_relative=_steps(n, relative_e, bool),
+        e_relative=_steps(n, history["relative_e"], bool),
         inch=_steps(n, history["inch"], bool),
         plane=_steps(n, history["plane"], np.uint8),
         speed_factor=_steps(n, history["speed_factor"], float),
         in_force=_steps(n, table.history, np.intp),
         limits=tuple(table.known),
-        stops=np.array(stops, np.intp),
-        lost=np.array(lost, np.intp),
-        declared=tuple(declared),
-        homed=tuple(homed),
-        warnings=tuple(w for w in dict.fromkeys(warnings) if w not in state.warned),
-        last={**modes, "in_force": table.history[-1][1]},
+        stops=np.array(journal.stops, np.intp),
+        lost=np.array(journal.lost, np.intp),
+        declared=tuple(journal.declared),
+        homed=tuple(journal.homed),
+        warnings=tuple(w for w in dict.fromkeys(journal.warnings) if w not in state.warned),
+        last={**journal.modes, "in_force": table.history[-1][1]},
     )
+
+
+class _Journal:
+    """What the commands of a block did, in order."""
+
+    def __init__(self, n: int, state: State, firmware: str):
+        self.modes: dict[str, float] = {"g91": state.g91, "m83": state.m83, "inch": state.inch, "plane": state.plane,
+                                        "speed_factor": state.speed_factor}  # fmt: skip
+        self.history: dict[str, list[tuple[int, float]]] = {name: [(0, value)] for name, value in self.modes.items()}
+        self.history["relative_e"] = [(0, e_is_relative(state.g91, state.m83, firmware))]
+        self.table = _LimitsTable(state)
+        self.wait = np.zeros(n)
+        self.stops: list[int] = []
+        self.lost: list[int] = []
+        self.declared: list[tuple[int, int, float]] = []
+        self.homed: list[tuple[int, int]] = []
+        self.warnings: list[str] = []
+        self._firmware = firmware
+
+    def note(self, i: int, effect: Effect) -> None:
+        """Line i has this effect."""
+        if effect.limits:
+            self.table.change(i, effect.limits)
+            return
+        if effect.stops:
+            self.stops.append(i)
+            self.wait[i] = effect.wait
+        if effect.lost:
+            self.lost.append(i)
+        if effect.warning:
+            self.warnings.append(effect.warning)
+        self.homed.extend((i, axis) for axis in effect.homed)
+        scale = unit(bool(self.modes["inch"]))
+        self.declared.extend((i, axis, value * scale) for axis, value in effect.position)
+        for name, value in effect.modes:
+            self.modes[name] = value
+            self.history[name].append((i, value))
+            relative = e_is_relative(bool(self.modes["g91"]), bool(self.modes["m83"]), self._firmware)
+            self.history["relative_e"].append((i, relative))
 
 
 def _effects(lines: Lines, odd: Effects, firmware: str) -> Iterable[tuple[int, Effect]]:

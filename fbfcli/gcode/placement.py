@@ -14,7 +14,7 @@ from fbfcli.gcode.listing import Listing, join
 from fbfcli.motion.moves import E, Moves
 from fbfcli.motion.stretches import Grid
 
-TIMELY = (Kind.IN_ORDER, Kind.MODE)  # lines that need a node of their own when none is near
+TIMELY = (int(Kind.IN_ORDER), int(Kind.MODE))  # lines that need a node of their own when none is near
 NEAR = 10.0  # samples
 
 
@@ -42,7 +42,9 @@ class Places:
         return Places(self.lines[rows], self.sample[rows], self.e_machine[rows], self.passed[rows], self.moves[rows])
 
 
-def place(lines: Listing, moves: Moves, inside: np.ndarray, grid: Grid, outside_time: np.ndarray, e_before: float) -> Places:
+def place(
+    lines: Listing, moves: Moves, inside: np.ndarray, grid: Grid, outside_time: np.ndarray, e_before: float
+) -> Places:
     """Places on the grid of the lines that belong to a part of the motion.
 
     inside       : ndarray of bool, shape (n,)   moves that are compensated
@@ -55,7 +57,7 @@ def place(lines: Listing, moves: Moves, inside: np.ndarray, grid: Grid, outside_
     following = np.searchsorted(moves.line, lines.number, side="right")  # first move of a later line
     own = np.searchsorted(moves.line, lines.number, side="left")
     has_move = following > own
-    motion = lines.kind == Kind.MOTION
+    motion = lines.kind == int(Kind.MOTION)
     replaced = motion & has_move & np.append(inside, False)[own]
     sample = _samples(following, moves, inside, grid)
     idle = motion & ~has_move & (sample == np.floor(sample))
@@ -81,7 +83,9 @@ def after(earlier: Places | None, later: Places) -> Places:
 def _samples(following: np.ndarray, moves: Moves, inside: np.ndarray, grid: Grid) -> np.ndarray:
     """Place before the move `following` (len(moves): after the last), shape of `following`."""
     begins = np.zeros(len(moves) + 1)
-    stretch_after = np.searchsorted(grid.move[grid.first[:-1]], np.arange(len(moves) + 1))  # stretches begun before a move
+    stretch_after = np.searchsorted(
+        grid.move[grid.first[:-1]], np.arange(len(moves) + 1)
+    )  # stretches begun before a move
     last_end = np.concatenate([[-1], grid.end])
     begins[:] = last_end[stretch_after] + 0.5
     inner = np.ones(len(grid.move), dtype=bool)

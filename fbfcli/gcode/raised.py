@@ -27,8 +27,13 @@ MARLIN_SEGMENT_US = 20_000  # DEFAULT_MINSEGMENTTIME: M205 B0 keeps Marlin from 
 def raised(firmware: str, limits: Limits) -> Limits:
     """The limits in force inside a compensated stretch, as the planner model sees them."""
     if firmware == "klipper":
-        return replace(limits, velocity=KLIPPER_VELOCITY, acceleration=KLIPPER_ACCELERATION, square_corner_velocity=KLIPPER_CORNER,
-                       minimum_cruise_ratio=0.0)
+        return replace(
+            limits,
+            velocity=KLIPPER_VELOCITY,
+            acceleration=KLIPPER_ACCELERATION,
+            square_corner_velocity=KLIPPER_CORNER,
+            minimum_cruise_ratio=0.0,
+        )
     deviation = limits.junction_deviation
     return replace(
         limits,
@@ -58,7 +63,11 @@ def shaper_off(firmware: str) -> list[str]:
 
 def raise_lines(firmware: str, limits: Limits) -> list[str]:
     """Lines before a compensated stretch where `limits` are in force."""
-    return shaper_off(firmware) + limit_lines(firmware, raised(firmware, limits)) + (["M205 B0"] if firmware == "marlin" else [])
+    return (
+        shaper_off(firmware)
+        + limit_lines(firmware, raised(firmware, limits))
+        + (["M205 B0"] if firmware == "marlin" else [])
+    )
 
 
 def restore_lines(firmware: str, limits: Limits) -> list[str]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fbfcli.gcode.dialects import Kind
+from fbfcli.gcode.listing import Listing
 from fbfcli.gcode.placement import Places
 from fbfcli.gcode.raised import raise_lines, restore_lines
 from fbfcli.gcode.words import SCALE
@@ -20,6 +21,7 @@ from fbfcli.printer import Limits
 DEFERRED = b"; fbf: "
 _NUMBER = re.compile(rb"^\s*[Nn]\d+\s*")
 _CHECKSUM = re.compile(rb"\s*\*\d+[ \t]*(?=\r?\n?$|;)")
+_MAY_BE_NUMBERED = np.isin(np.arange(256), list(b"Nn \t"))
 _DECLARES = re.compile(rb"^\s*[Gg]0*92(?![.\d])")
 
 
@@ -71,6 +73,29 @@ def feed_line(feed: float) -> bytes:
 
 def _text(lines: list[str]) -> bytes:
     return "".join(line + "\n" for line in lines).encode()
+
+
+def is_special(places: Places, raised: np.ndarray) -> np.ndarray:
+    """Lines whose text `kept_text` may change, bool, shape (k,).
+
+    raised : ndarray of bool, shape (k,)   limits are raised before the line
+    """
+    lines = places.lines
+    byte = np.frombuffer(lines.text, dtype=np.uint8)
+    if not len(byte):
+        return np.zeros(len(lines), dtype=bool)
+    numbered = _MAY_BE_NUMBERED[byte[lines.begin]]
+    unterminated = byte[lines.end - 1] != ord("\n")
+    waits = (lines.kind == int(Kind.LIMITS)) | (lines.kind == int(Kind.BARRIER))
+    return numbered | unterminated | (raised & (waits | places.moves))
+
+
+def joints(lines: Listing, special: np.ndarray) -> np.ndarray:
+    """Where a new piece of text begins: at special lines, after them, and where lines were left out, bool, shape (k,)."""
+    new = special.copy()
+    new[1:] |= special[:-1] | (lines.begin[1:] != lines.end[:-1])
+    new[:1] = True
+    return new
 
 
 def kept_text(places: Places, i: int, raised: bool, restore: bytes, e_word: int | None) -> bytes:

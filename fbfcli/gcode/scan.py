@@ -2,7 +2,7 @@
 
 How a chunk is read: comments are removed, blanks deleted, letters made capital. What is left is a string of words, each
 a letter and a number, so the letters' positions say where every number begins and ends. The digits of a number, without
-its point, are eight bytes of memory (or sixteen), and three multiplications turn eight ASCII digits into an integer
+its point, are eight bytes of memory (or more), and three multiplications turn eight ASCII digits into an integer
 ("SIMD within a register", D. Lemire, 2022), here for all numbers of a chunk at once.
 """
 
@@ -20,14 +20,14 @@ from fbfcli.errors import GcodeError
 G0, G1, G2, G3, G5, MODAL = 0, 1, 2, 3, 5, 9  # motion: `code` of a line is its G number, MODAL has no G word
 BLANK, OTHER, ODD = -1, -2, -3  # nothing but comment; any other command; a line that wants a grammar
 LETTERS = "XYZEFIJRPQS"  # words a motion line may have
-MAX_DIGITS = 15  # an integer of 15 digits and a power of ten are doubles, so their quotient is correctly rounded
+MAX_DIGITS = 24  # up to 15 the number is the nearest double (integer and power of ten are exact), then within 2 ulp
 MAX_LINE = 1 << 24  # bytes; no text file has such a line
 
 _CAPITALS = bytes(range(256)).upper()
 _BLANKS = b" \t\r\v\f"
 _SEMICOLON = re.compile(rb";[^\n]*")
 _COMMENT = re.compile(rb";[^\n]*|\([^)\n]*\)?")
-_PAD = b"0" * 16  # so that sixteen bytes can be read before the first digit
+_PAD = b"0" * MAX_DIGITS  # so that eights of bytes can be read from before the first digit
 _EIGHT = np.array([(0x0F0F0F0F0F0F0F0F << (64 - 8 * min(n, 8))) % (1 << 64) for n in range(256)], dtype=np.uint64)
 _TEN = 10.0 ** np.arange(MAX_DIGITS + 1)
 
@@ -216,12 +216,13 @@ class _Words:
 
 def _decode(text: bytes, place: np.ndarray, digits: np.ndarray, decimals: np.ndarray) -> np.ndarray:
     """Numbers that follow the letters at `place` in `text` (capitals, no points), shape (k,)."""
-    eights = np.ndarray((len(text) + 9,), np.dtype("<u8"), _PAD + text, strides=(1,))  # eight bytes from anywhere
+    memory = _PAD + text
+    eights = np.ndarray((len(memory) - 7,), np.dtype("<u8"), memory, strides=(1,))  # eight bytes from anywhere
     after = np.append(place[1:], len(text)) + len(_PAD)
     value = _eight_digits(eights[after - 8], digits).astype(float)
-    long = np.flatnonzero((digits > 8) & (digits <= MAX_DIGITS))
-    if len(long):
-        value[long] += 1e8 * _eight_digits(eights[after[long] - 16], digits[long] - 8).astype(float)
+    for done in range(8, MAX_DIGITS, 8):  # digits decoded so far
+        long = np.flatnonzero((digits > done) & (digits <= MAX_DIGITS))
+        value[long] += 10.0**done * _eight_digits(eights[after[long] - done - 8], digits[long] - done).astype(float)
     value /= _TEN[np.minimum(decimals, MAX_DIGITS)]
     return value
 

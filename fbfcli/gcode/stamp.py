@@ -15,7 +15,11 @@ HEAD_BYTES = 4096  # the stamp stands on the second line
 PADDING = 12  # blanks that a longer time may take
 
 _CLOCK = rb"(?:\d+[dhms]\s*)+"
-_CLOCK_LINES = re.compile(rb"(estimated (?:first layer )?printing time[^=]*=\s*|total estimated time:\s*|model printing time:\s*)(" + _CLOCK + rb")")
+_CLOCK_LINES = re.compile(
+    rb"(estimated (?:first layer )?printing time[^=]*=\s*|total estimated time:\s*|model printing time:\s*)("
+    + _CLOCK
+    + rb")"
+)
 _SECONDS = re.compile(rb"^(;\s*(?:TIME|Print Time|PRINT\.TIME):\s*)(\d+(?:\.\d+)?)\s*$", re.IGNORECASE)
 _ELAPSED = re.compile(rb"^(;TIME_ELAPSED:)(\d+(?:\.\d+)?)\s*$")
 _M73 = re.compile(rb"^\s*M73\b", re.IGNORECASE)
@@ -51,9 +55,11 @@ def time_line(text: bytes) -> TimeLine | None:
     if _M73.match(text):
         return TimeLine(room, lambda elapsed, total: _m73(text, elapsed, total))
     if found := _ELAPSED.match(text):
-        return TimeLine(room, lambda elapsed, total: found[1] + b"%.6f" % elapsed)
+        prefix = found[1]
+        return TimeLine(room, lambda elapsed, total: prefix + b"%.6f" % elapsed)
     if found := _SECONDS.match(text):
-        return TimeLine(room, lambda elapsed, total: found[1] + b"%d" % round(total))
+        label = found[1]
+        return TimeLine(room, lambda elapsed, total: label + b"%d" % round(total))
     if _CLOCK_LINES.search(text):
         if b"silent" in text or b"first layer" in text:
             return None  # of another mode, or of a part that is not tallied
@@ -74,7 +80,7 @@ def _m73(text: bytes, elapsed: float, total: float) -> bytes:
 def _clock(seconds: float) -> bytes:
     """1d 2h 3m 4s, as PrusaSlicer writes it."""
     left = round(seconds)
-    parts = []
+    parts: list[str] = []
     for letter, size in (("d", 86400), ("h", 3600), ("m", 60)):
         if left >= size or parts:
             parts.append(f"{left // size}{letter}")

@@ -104,7 +104,9 @@ def _nudges(same: np.ndarray, movable: np.ndarray) -> np.ndarray:
     new = np.diff(stuck, prepend=-2) > 1
     row = np.cumsum(new) - 1
     place = stuck - stuck[new][row]  # 0, 1, ... within a row of stuck segments
-    left = np.append(np.flatnonzero(new)[1:], len(stuck))[row] - np.arange(len(stuck))  # segments left, this one included
+    left = np.append(np.flatnonzero(new)[1:], len(stuck))[row] - np.arange(
+        len(stuck)
+    )  # segments left, this one included
     nudge[stuck + 1] = np.where(left == 1, 0, np.where((left == 2) & (place % 2 == 1), 2, (place + 1) % 2))
     alone = stuck[(left == 1) & (place == 0)]
     end = np.where(movable[alone + 1], alone + 1, alone)
@@ -128,11 +130,13 @@ def segment_lines(words: Words, modes: Modes, feed: np.ndarray) -> tuple[bytes, 
     end, step = words.end[here], words.step[here]
     xyz_relative, e_relative = modes.xy_relative[here], modes.e_relative[here]
     x, y, z = (np.where(xyz_relative, step[:, i], end[:, i]) for i in range(3))
-    text, offsets = g1_lines([
-        ("X", x, None),
-        ("Y", y, None),
-        ("Z", z, step[:, 2] != 0),
-        ("E", np.where(e_relative, step[:, 3], end[:, 3]), step[:, 3] != 0),
-        ("F", feed[here], None),
-    ])
+    text, offsets = g1_lines(
+        [
+            ("X", x, None),
+            ("Y", y, None),
+            ("Z", z, step[:, 2] != 0),
+            ("E", np.where(e_relative, step[:, 3], end[:, 3]), step[:, 3] != 0),
+            ("F", feed[here], None),
+        ]
+    )
     return text, offsets[np.concatenate([[0], np.cumsum(words.real)])]

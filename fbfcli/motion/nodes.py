@@ -12,8 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solveh_banded
+from scipy.ndimage import uniform_filter1d
 
+BURST = 8.0  # segments: half of the smallest queue (16), so that corners may have more and straight lines fewer
 MIN_RATE = 4.0  # segments per second of a straight line at constant speed: E, fans and pauses stay near their time
+ROOM = 1.25  # segments are planned this much longer than the shortest that the firmware keeps: few must be merged
 REFINEMENTS = 4  # passes that halve what a velocity step left outside the tolerance
 
 
@@ -22,13 +25,15 @@ class Budget:
     """What segments may be.
 
     tolerance  : largest distance of a chord from the command [mm]
-    max_rate   : segments per second that the firmware takes [1/s]
+    max_rate   : segments per second that the firmware takes on average over BURST of them [1/s]
     min_length : shorter segments are dropped by the firmware [mm]
+    min_speed  : slower ones are sped up by it [mm/s]
     """
 
     tolerance: float
     max_rate: float
     min_length: float = 0.0
+    min_speed: float = 0.0
 
 
 def break_points(u: np.ndarray, ends: np.ndarray, forced: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
@@ -38,19 +43,31 @@ def break_points(u: np.ndarray, ends: np.ndarray, forced: np.ndarray, dt: float,
     ends   : ndarray of int          first and last sample of each stretch, 2 per stretch, increasing
     forced : ndarray of int          samples inside stretches that must be nodes
     """
-    fixed = np.union1d(ends, forced)
-    share = np.cumsum(_rate(u, dt, budget)) * dt
-    nodes = _equidistribute(share, fixed)
+    is_fixed = np.zeros(len(u), dtype=bool)
+    is_fixed[ends] = is_fixed[forced] = True
+    rate, full = _rate(u, dt, budget)
+    share = np.cumsum(rate) * dt
+    is_node = _equidistribute(share, np.flatnonzero(is_fixed))
+    is_node |= is_fixed
     for _ in range(REFINEMENTS):
-        worst = _outside(u, nodes, budget, dt)
+        worst = _outside(u, np.flatnonzero(is_node), budget.tolerance, full)
         if not len(worst):
             break
-        nodes = np.union1d(nodes, worst)
-    return _merge_short(u, nodes, fixed, budget.min_length) if budget.min_length > 0 else nodes
+        is_node[worst] = True
+    nodes = np.flatnonzero(is_node)
+    return (
+        _merge_short(u, nodes, is_fixed[nodes], budget, dt) if budget.min_length > 0 or budget.min_speed > 0 else nodes
+    )
 
 
-def _rate(u: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
-    """Segments per second wanted at each sample, shape (n,)."""
+def thinned(wanted: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
+    """The first of the wanted samples (sorted) in each of the shortest times that the firmware's rate allows."""
+    slot = (wanted * (dt * budget.max_rate)).astype(np.int64)
+    return wanted[np.diff(slot, prepend=-1) != 0]
+
+
+def _rate(u: np.ndarray, dt: float, budget: Budget) -> tuple[np.ndarray, np.ndarray]:
+    """Segments per second at each sample, shape (n,), and where the firmware takes no more, bool, shape (n,)."""
     rate = np.empty(len(u))
     ax, ay = (np.diff(u[:, i], 2) for i in (0, 1))
     curvature = np.sqrt(ax * ax + ay * ay)
@@ -58,23 +75,28 @@ def _rate(u: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
     rate[:1], rate[-1:] = rate[1:2], rate[-2:-1]
     if budget.min_length > 0:
         speed = np.maximum(np.abs(np.diff(u[:, 0])), np.abs(np.diff(u[:, 1]))) / dt
-        np.minimum(rate[1:], speed / budget.min_length, out=rate[1:])
-    return np.clip(rate, MIN_RATE, budget.max_rate, out=rate)
+        np.minimum(rate[1:], speed / (ROOM * budget.min_length), out=rate[1:])
+    np.clip(rate, MIN_RATE, 1.0 / dt, out=rate)
+    mean = uniform_filter1d(rate, max(1, round(BURST / (budget.max_rate * dt))), mode="nearest")
+    full = mean > budget.max_rate
+    rate *= np.minimum(1.0, budget.max_rate / mean)
+    return rate, full
 
 
 def _equidistribute(share: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-    """Samples where the cumulative share passes an integer, stretched so that every fixed sample is one."""
+    """Where the cumulative share, stretched to a whole number between fixed samples, passes an integer, bool, (n,)."""
     wanted = share[fixed[1:]] - share[fixed[:-1]]
     pieces = np.maximum(np.ceil(wanted - 1e-9), 1.0)
     base = np.concatenate([[0.0], np.cumsum(pieces)])
     length = np.diff(fixed)
     first = fixed[0]
-    local = share[first:fixed[-1]] - np.repeat(share[fixed[:-1]], length)
+    local = share[first : fixed[-1]] - np.repeat(share[fixed[:-1]], length)
     local *= np.repeat(pieces / np.maximum(wanted, 1e-300), length)
     local += np.repeat(base[:-1], length)
-    turns = np.floor(local).astype(np.int64)
-    inner = np.flatnonzero(turns[1:] != turns[:-1]) + 1 + first
-    return np.union1d(fixed, inner)
+    turns = np.floor(local, out=local)
+    passes = np.zeros(len(share), dtype=bool)
+    np.not_equal(turns[1:], turns[:-1], out=passes[first + 1 : fixed[-1]])
+    return passes
 
 
 def interpolate(values: np.ndarray, nodes: np.ndarray) -> np.ndarray:
@@ -88,26 +110,29 @@ def interpolate(values: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     return out
 
 
-def _outside(u: np.ndarray, nodes: np.ndarray, budget: Budget, dt: float) -> np.ndarray:
+def _outside(u: np.ndarray, nodes: np.ndarray, tolerance: float, full: np.ndarray) -> np.ndarray:
     """The worst sample of each chord that misses the tolerance by half and may still be divided."""
     first, last = nodes[0], nodes[-1] + 1
     error = np.abs(interpolate(u[nodes, 0], nodes) - u[first:last, 0])
     np.maximum(error, np.abs(interpolate(u[nodes, 1], nodes) - u[first:last, 1]), out=error)
+    error[full[first:last]] = 0.0
     peak = np.maximum.reduceat(error[:-1], nodes[:-1] - first)
-    length = np.diff(nodes)
-    bad = np.flatnonzero((peak > 1.5 * budget.tolerance) & (length > max(1.0, 1.0 / (budget.max_rate * dt))))
-    return np.array([nodes[i] + int(np.argmax(error[nodes[i] - first : nodes[i + 1] - first])) for i in bad], dtype=nodes.dtype)
+    bad = np.flatnonzero((peak > 1.5 * tolerance) & (np.diff(nodes) > 1))
+    return np.array(
+        [nodes[i] + int(np.argmax(error[nodes[i] - first : nodes[i + 1] - first])) for i in bad], dtype=nodes.dtype
+    )
 
 
-def _merge_short(u: np.ndarray, nodes: np.ndarray, fixed: np.ndarray, min_length: float) -> np.ndarray:
-    """Nodes without those that end a segment shorter than `min_length` along both axes."""
-    pinned = np.isin(nodes, fixed)
+def _merge_short(u: np.ndarray, nodes: np.ndarray, pinned: np.ndarray, budget: Budget, dt: float) -> np.ndarray:
+    """Nodes without those that end a segment too short along both axes, or too slow; pinned ones stay."""
     for _ in range(16):
         step = np.maximum(np.abs(np.diff(u[nodes, 0])), np.abs(np.diff(u[nodes, 1])))
-        short = step < min_length
+        short = step < np.maximum(budget.min_length, budget.min_speed * dt * np.diff(nodes))
         drop = np.zeros(len(nodes), dtype=bool)
         drop[1:] = short & ~pinned[1:]
-        before_pinned = np.flatnonzero(short & pinned[1:] & ~pinned[:-1])  # the rest before a fixed node: give up the other end
+        before_pinned = np.flatnonzero(
+            short & pinned[1:] & ~pinned[:-1]
+        )  # the rest before a fixed node: give up the other end
         drop[before_pinned] = True
         drop[1:] &= ~drop[:-1]  # neighbours one at a time: the merged segment may be long enough
         if not drop.any():

@@ -72,14 +72,24 @@ def divided(moves: Moves, tag: np.ndarray) -> tuple[Moves, np.ndarray]:
     place = np.arange(len(index)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
     delta = moves.delta[index] / pieces[index, None]
     start = moves.start[index] + place[:, None] * delta
-    return Moves(start, delta, moves.speed[index], moves.stop[index] & (place == 0), moves.state[index], moves.line[index],
-                 moves.limits), tag[index]
+    return Moves(
+        start,
+        delta,
+        moves.speed[index],
+        moves.stop[index] & (place == 0),
+        moves.state[index],
+        moves.line[index],
+        moves.limits,
+    ), tag[index]
 
 
 def joined(a: Moves, b: Moves) -> Moves:
     """Two consecutive rows of moves; the later one's table of limits continues the earlier one's."""
     table = b.limits if len(b.limits) >= len(a.limits) else a.limits
-    rows = {name: np.concatenate([getattr(a, name), getattr(b, name)]) for name in ("start", "delta", "speed", "stop", "state", "line")}
+    rows = {
+        name: np.concatenate([getattr(a, name), getattr(b, name)])
+        for name in ("start", "delta", "speed", "stop", "state", "line")
+    }
     return replace(a, limits=table, **rows)
 
 

@@ -14,27 +14,33 @@ import numpy as np
 from fbfcli.motion.moves import EPS_MM, E, Moves, Z
 from fbfcli.motion.profile import Profile
 
-Z_MARGIN = 10.0  # a segment's own acceleration limit must exceed the command's this many times to be followed
+Z_MARGIN = 4.0  # a segment's own acceleration limit must exceed the plan's this many times for a command to be followed
 KINK_MM_S = 0.2  # a jump in the speed of E or Z that needs a node of its own
 EPS_SAMPLE = 1e-6  # samples: rounding of times that meet
 
 
-def compensable(moves: Moves, known: np.ndarray, acceleration: float) -> np.ndarray:
+def compensable(moves: Moves, known: np.ndarray, acceleration: float | None) -> np.ndarray:
     """Which moves can be compensated, bool, shape (n,).
 
     known        : ndarray of bool, shape (n,)   X and Y are known where the move starts
-    acceleration : what a compensated command may need [mm/s^2]
+    acceleration : that X and Y will be planned with [mm/s^2]; None: the limits in force
 
-    A move with a Z part is, if the planner would still grant its segments Z_MARGIN times that acceleration.
+    A move with a Z part is, if the planner would still grant its segments Z_MARGIN times that acceleration. All chords of
+    an arc fare alike.
     """
     dx, dy, dz = moves.delta[:, 0], moves.delta[:, 1], np.abs(moves.delta[:, Z])
     moving = known & (dx * dx + dy * dy > EPS_MM * EPS_MM)
     steep = np.flatnonzero(dz > EPS_MM)
     if len(steep):
         share = dz[steep] / moves.distance[steep]
-        a_z = moves.limit("axis_acceleration")[steep, Z]
-        v_z = moves.limit("axis_velocity")[steep, Z]
-        moving[steep] &= (a_z >= Z_MARGIN * acceleration * share) & (v_z >= 1.5 * moves.speed[steep] * share)
+        planned = acceleration if acceleration is not None else moves.limit("acceleration")[steep]
+        a_z = moves.limit("axis_acceleration", Z, steep)
+        v_z = moves.limit("axis_velocity", Z, steep)
+        moving[steep] &= (a_z >= Z_MARGIN * planned * share) & (v_z >= 1.5 * moves.speed[steep] * share)
+        chord = np.flatnonzero(np.diff(moves.line) == 0)
+        if len(chord) and not moving[np.union1d(chord, chord + 1)].all():
+            group = np.flatnonzero(np.diff(moves.line, prepend=-1) != 0)
+            moving &= np.repeat(np.logical_and.reduceat(moving, group), np.diff(np.append(group, len(moving))))
     return moving
 
 
@@ -90,7 +96,15 @@ def stretch_starts(moves: Moves, inside: np.ndarray) -> np.ndarray:
     return np.flatnonzero(new)
 
 
-def lay(moves: Moves, inside: np.ndarray, duration: np.ndarray, dt: float, rests: Rests, phase: float | None, open_last: bool) -> Grid:
+def lay(
+    moves: Moves,
+    inside: np.ndarray,
+    duration: np.ndarray,
+    dt: float,
+    rests: Rests,
+    phase: float | None,
+    open_last: bool,
+) -> Grid:
     """Put the stretches of a batch on a grid of period dt, one after the other.
 
     inside    : ndarray of bool, shape (n,)   moves that are compensated
@@ -115,7 +129,17 @@ def lay(moves: Moves, inside: np.ndarray, duration: np.ndarray, dt: float, rests
     size = length.astype(np.int64) + 1
     begin = np.cumsum(size) - size
     t0 = elapsed[:-1] + np.repeat(begin + offset - elapsed[first], np.diff(np.append(first, len(move))))
-    return Grid(move, np.append(first, len(move)), begin, begin + size - 1, t0, int(size.sum()), next_phase, phase is not None, open_last)
+    return Grid(
+        move,
+        np.append(first, len(move)),
+        begin,
+        begin + size - 1,
+        t0,
+        int(size.sum()),
+        next_phase,
+        phase is not None,
+        open_last,
+    )
 
 
 def scaled(profile: Profile, slow: np.ndarray) -> Profile:

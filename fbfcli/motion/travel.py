@@ -21,5 +21,8 @@ def check_travel(moves: Moves, known: np.ndarray, travel: tuple[tuple[float, flo
         bad = np.flatnonzero(known & ((end < low - EPS_MM) | (end > high + EPS_MM)))
         if len(bad):
             i = int(bad[0])
-            raise GcodeError(f"{'XY'[axis]}{end[i]:g} is outside the printer's travel {low:g} to {high:g} mm", line=int(moves.line[i]) + 1,
-                             remedy="move the part on the bed, or correct `travel` in the printer profile")
+            raise GcodeError(
+                f"{'XY'[axis]}{end[i]:g} is outside the printer's travel {low:g} to {high:g} mm",
+                line=int(moves.line[i]) + 1,
+                remedy="move the part on the bed, or correct `travel` in the printer profile",
+            )

@@ -65,27 +65,27 @@ class _Open:
     samples: _Samples
 
 
-@dataclass
 class _Attempt:
-    """One stretch: how stiff the compensator, how many times slower, and the command if it stands."""
+    """One stretch: how stiff the compensator, how many times slower, and the command if it stands.
 
-    fixed: bool  # it began in an earlier part
-    goes_on: bool
-    level: int = 0
-    slow: float = 1.0
-    command: np.ndarray | None = None
-    stream: Stream | None = None
+    fixed   : it began in an earlier part
+    goes_on : it goes on in a later one
+    """
+
+    def __init__(self, fixed: bool, goes_on: bool):
+        self.fixed, self.goes_on = fixed, goes_on
+        self.level, self.slow = 0, 1.0
+        self.command: np.ndarray | None = None
+        self.stream: Stream | None = None
 
 
-@dataclass
 class Remedies:
     """Stretches that needed one to stay within the limits."""
 
-    stretches: int = 0
-    stiffened: int = 0
-    slowed: int = 0
-    slowest: float = 1.0
-    first_line: int | None = None
+    def __init__(self) -> None:
+        self.stretches = self.stiffened = self.slowed = 0
+        self.slowest = 1.0
+        self.first_line: int | None = None
 
     def count(self, attempt: _Attempt, line: int) -> None:
         self.stretches += 1
@@ -169,8 +169,13 @@ class Commander:
             return grid, samples
         left = self._open.samples
         shift = len(left.desired)
-        grid = replace(grid, begin=np.concatenate([[0], grid.begin[1:] + shift]), end=grid.end + shift, t0=grid.t0 + shift,
-                       count=grid.count + shift)
+        grid = replace(
+            grid,
+            begin=np.concatenate([[0], grid.begin[1:] + shift]),
+            end=grid.end + shift,
+            t0=grid.t0 + shift,
+            count=grid.count + shift,
+        )
         return grid, _Samples(
             np.concatenate([left.desired, samples.desired]),
             np.concatenate([left.extruding, samples.extruding]),
@@ -211,13 +216,26 @@ class Commander:
             begun = bool(writes or (before and before.begun and len(begin) == 1))
             self._open = _Open(attempts[-1].stream, grid.phase, begun, samples[dropped:])
         here = begin < n
-        return Batch(grid, begin[here], np.minimum(grid.end[here], n - 1), starts[here], bool(before and before.begun),
-                     samples.desired[:n], samples.command[:n], samples.extruding[:n], dropped)
+        return Batch(
+            grid,
+            begin[here],
+            np.minimum(grid.end[here], n - 1),
+            starts[here],
+            bool(before and before.begun),
+            samples.desired[:n],
+            samples.command[:n],
+            samples.extruding[:n],
+            dropped,
+        )
 
 
-_TOO_FAST = "line {}: the compensated command leaves the printer's limits; plan with a lower --accel, or give a larger --mu"
+_TOO_FAST = (
+    "line {}: the compensated command leaves the printer's limits; plan with a lower --accel, or give a larger --mu"
+)
 
 
 def _joined(attempts: list[_Attempt]) -> np.ndarray:
     """The commands one after the other, shape (n, 2)."""
-    return np.concatenate([attempt.command for attempt in attempts if attempt.command is not None] or [np.zeros((0, 2))])
+    return np.concatenate(
+        [attempt.command for attempt in attempts if attempt.command is not None] or [np.zeros((0, 2))]
+    )

@@ -17,13 +17,15 @@ from fbfcli.motion.nodes import Budget
 from fbfcli.pipeline.commander import Commander, Remedies
 from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.scribe import Patch, Scribe
+from fbfcli.pipeline.segmenter import Segmenter
 from fbfcli.pipeline.settings import Settings
 from fbfcli.pipeline.summary import BUSY, Errors, Summary
-from fbfcli.plant.model import Plant, impulse_response, modes, plant_of
+from fbfcli.plant.model import Plant, cut, impulse_response, modes, plant_of
 from fbfcli.printer import Printer
 from fbfcli.verify.tally import Tally
 
 MARLIN_STEPS = 6  # MIN_STEPS_PER_SEGMENT: Marlin drops shorter moves
+REPRAP_SPEED = 0.55  # mm/s, just above MinimumMovementSpeed: RepRapFirmware makes slower moves faster
 
 
 @dataclass(frozen=True)
@@ -48,11 +50,18 @@ def plants_of(printer: Printer, dt: float) -> tuple[Plant, Plant]:
 def compensator_of(plants: tuple[Plant, Plant], settings: Settings) -> Compensator:
     """The method of the settings, designed for the plants. Raises ModelError."""
     h = [impulse_response(plant) for plant in plants]
+    if settings.fir is not None:
+        h = [cut(response, settings.fir) for response in h]
     return design(settings.method, h, [modes(plant) for plant in plants], settings.dt, settings.options)
 
 
-def compensate(chunks: Iterable[bytes], printer: Printer, settings: Settings, write: Callable[[bytes], None],
-               progress: Callable[[int], None] = lambda done: None) -> Done:
+def compensate(
+    chunks: Iterable[bytes],
+    printer: Printer,
+    settings: Settings,
+    write: Callable[[bytes], object],
+    progress: Callable[[int], None] = lambda done: None,
+) -> Done:
     """Compensate a file.
 
     chunks   : its text, whole lines
@@ -66,7 +75,8 @@ def compensate(chunks: Iterable[bytes], printer: Printer, settings: Settings, wr
     tally = Tally([(plant.b, plant.a) for plant in plants])
     told = stamp(__version__, f'printer="{printer.name}" {settings.told()}')
     commander = Commander(compensator_of(plants, settings), _box(printer), settings.dt)
-    scribe = Scribe(printer.firmware, printer.limits, budget, settings.dt, tally, write, told, settings.patch_times)
+    segmenter = Segmenter(printer.firmware, budget, settings.dt)
+    scribe = Scribe(printer.firmware, printer.limits, segmenter, tally, write, told, settings.patch_times)
     reader = Reader(printer, settings)
     for portion in reader.portions(chunks, progress):
         batch = commander.batch(portion.part, portion.inside)
@@ -89,11 +99,23 @@ def _box(printer: Printer) -> Box:
 def _budget(printer: Printer, settings: Settings) -> Budget:
     rate = settings.segments_per_second or printer.segments_per_second
     finest = max(axis.steps_per_mm for axis in printer.axes[:2])
-    return Budget(settings.tolerance, rate, MARLIN_STEPS / finest if printer.firmware == "marlin" else 0.0)
+    return Budget(
+        settings.tolerance,
+        rate,
+        min_length=MARLIN_STEPS / finest if printer.firmware == "marlin" else 0.0,
+        min_speed=REPRAP_SPEED if printer.firmware == "reprapfirmware" else 0.0,
+    )
 
 
-def _summary(printer: Printer, settings: Settings, budget: Budget, reader: Reader, scribe: Scribe, tally: Tally,
-             remedies: Remedies) -> Summary:
+def _summary(
+    printer: Printer,
+    settings: Settings,
+    budget: Budget,
+    reader: Reader,
+    scribe: Scribe,
+    tally: Tally,
+    remedies: Remedies,
+) -> Summary:
     return Summary(
         printer=printer.name,
         method=settings.method,
@@ -122,8 +144,10 @@ def _summary(printer: Printer, settings: Settings, budget: Budget, reader: Reade
 def _warnings(reader: Reader, tally: Tally, budget: Budget, remedies: Remedies) -> tuple[str, ...]:
     told = list(reader.warnings)
     if remedies.stiffened or remedies.slowed:
-        told.append(f"limits: {remedies.stiffened} of {remedies.stretches} stretches compensated more gently, {remedies.slowed} slowed "
-                    f"(up to {remedies.slowest:.2f} times), the first at line {remedies.first_line}")
+        told.append(
+            f"limits: {remedies.stiffened} of {remedies.stretches} stretches compensated more gently, {remedies.slowed} slowed "
+            f"(up to {remedies.slowest:.2f} times), the first at line {remedies.first_line}"
+        )
     if tally.busiest > BUSY * budget.max_rate:
         told.append(f"{tally.busiest} segments in one second, more than the firmware takes: raise --tolerance")
     if not tally.segments:

@@ -14,7 +14,7 @@ from fbfcli.gcode.listing import Listing, join, listing
 from fbfcli.gcode.raised import raised
 from fbfcli.gcode.runs import raised_where
 from fbfcli.gcode.scan import scan
-from fbfcli.motion.limit_table import LimitTable, overridden
+from fbfcli.motion.limit_table import LimitTable, compensated
 from fbfcli.motion.moves import Moves
 from fbfcli.motion.planner import Part, Planner, no_part
 from fbfcli.motion.stretches import compensable, with_rests
@@ -46,7 +46,6 @@ class Reader:
         self._printer, self._settings = printer, settings
         self._planner, self._as_sliced = Planner(printer.firmware), Planner(printer.firmware)
         self._limits = LimitTable()
-        self._acceleration = max(axis.command_acceleration for axis in printer.axes[:2])
         self._known = self._inside = self._raised = False  # after the last line, move and line
         self._lines: list[Listing] = []
         self.count = 0  # lines
@@ -82,21 +81,27 @@ class Reader:
         row = moves.line - block.lines.first
         known = np.concatenate([[self._known], block.known])
         check_travel(moves, known[row + 1], tuple(axis.travel for axis in self._printer.axes[:2]))
-        inside = compensable(moves, known[row], self._acceleration)
+        inside = compensable(moves, known[row], self._settings.acceleration)
         self.left_alone += int(np.count_nonzero(~inside & (moves.delta[:, :2] != 0.0).any(axis=1)))
         self._known = bool(known[-1])
-        self._tell_time(replace(moves, state=self._limits.index(table)[moves.state], limits=self._limits.limits), last=False)
+        self._tell_time(
+            replace(moves, state=self._limits.index(table)[moves.state], limits=self._limits.limits), last=False
+        )
         rested = with_rests(moves, inside, self._inside)
         if len(inside):
             self._inside = bool(inside[-1])
-        barrier = lines.number[lines.kind == Kind.BARRIER]
+        barrier = lines.number[lines.kind == int(Kind.BARRIER)]
         run = raised_where(moves.line, barrier, moves.line[inside], self._raised)
         self._raised = run.after
         yield from self._planned(self._in_force(rested, inside, run.line, table), inside, table, last=False)
 
-    def _in_force(self, moves: Moves, inside: np.ndarray, raised_before: np.ndarray, table: tuple[Limits, ...]) -> Moves:
+    def _in_force(
+        self, moves: Moves, inside: np.ndarray, raised_before: np.ndarray, table: tuple[Limits, ...]
+    ) -> Moves:
         """The moves under the limits they will be planned with: compensated ones those of the settings."""
-        wanted = self._limits.index(tuple(overridden(one, self._settings.acceleration, self._settings.velocity) for one in table))
+        wanted = self._limits.index(
+            tuple(compensated(one, self._settings.acceleration, self._settings.velocity) for one in table)
+        )
         in_run = self._limits.index(tuple(raised(self._printer.firmware, one) for one in table))
         plain = self._limits.index(table)
         state = np.where(inside, wanted[moves.state], np.where(raised_before, in_run[moves.state], plain[moves.state]))
@@ -111,4 +116,6 @@ class Reader:
 
     def _tell_time(self, moves: Moves, last: bool) -> None:
         tag = np.zeros(len(moves), dtype=bool)
-        self.time_as_sliced += sum(float(part.profile.duration.sum()) for part in self._as_sliced.feed(moves, tag, last))
+        self.time_as_sliced += sum(
+            float(part.profile.duration.sum()) for part in self._as_sliced.feed(moves, tag, last)
+        )

@@ -1,30 +1,27 @@
-"""From commands to text: nodes, words, speeds, and the lines of the file between them."""
+"""From segments to text: the lines of the file between them, limits raised and put back, times to be filled in."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
-from fbfcli.errors import LimitError
 from fbfcli.gcode.dialects import Kind
 from fbfcli.gcode.listing import Listing
-from fbfcli.gcode.placement import Places, after, forced, place, segment_of
-from fbfcli.gcode.raised import raised
-from fbfcli.gcode.runs import Raised, kept_text, raised_where, raising, restoring
+from fbfcli.gcode.placement import Places, after, place, segment_of
+from fbfcli.gcode.runs import Raised, is_special, joints, kept_text, raised_where, raising, restoring
 from fbfcli.gcode.stamp import TimeLine, time_line
-from fbfcli.gcode.words import SCALE
-from fbfcli.gcode.write import Modes, Words, feed_of, power_on_modes, segment_lines, speed_of, words_of
-from fbfcli.motion.moves import E, Moves
-from fbfcli.motion.nodes import Budget, break_points, fit
+from fbfcli.gcode.write import power_on_modes, segment_lines
+from fbfcli.motion.moves import E
 from fbfcli.motion.planner import Part
-from fbfcli.motion.profile import Profile
-from fbfcli.motion.stretches import kinks
-from fbfcli.motion.timing import timed
 from fbfcli.pipeline.commander import Batch
+from fbfcli.pipeline.segmenter import Segmenter, Segments
 from fbfcli.printer import Limits
 from fbfcli.verify.tally import Stretches, Tally
+
+MODE, BARRIER, PROGRESS = int(Kind.MODE), int(Kind.BARRIER), int(Kind.PROGRESS)
 
 
 @dataclass(frozen=True)
@@ -37,45 +34,53 @@ class Patch:
 
 
 @dataclass(frozen=True)
-class _Segments:
-    """Segments between the nodes of a batch, gaps between stretches included; k of them.
+class _Page:
+    """What is written of one batch: lines, the stretches they stand between, and the text of the segments.
 
-    node     : ndarray of int, shape (k + 1,)   samples
-    pinned   : ndarray of bool, shape (k + 1,)  nodes where stretches begin and end
-    words    : Words
-    modes    : Modes                            of each segment
-    first    : ndarray of int, shape (s,)       segment that begins each stretch
+    places  : Places                         lines whose time has come
+    at      : ndarray of int, shape (k,)     segment before which each stands
+    run     : Raised
+    bases   : list of Limits                 per stretch, in force when its run began
+    rise_at, rise_before : ndarray of int    where limits are raised: before this segment, before this line
+    text    : bytes                          of the segments
+    offsets : ndarray of int                 where each segment begins in it
+    elapsed : ndarray                        time of the segments before each [s]
+    table   : tuple of Limits                that `places.lines.state` counts in
     """
 
-    node: np.ndarray
-    pinned: np.ndarray
-    words: Words
-    modes: Modes
-    first: np.ndarray
-
-
-@dataclass
-class _Run:
-    """Limits as the firmware has them: raised or not, from what, and what the file has in force."""
-
-    raised: bool
-    base: Limits
-    in_force: Limits
-    feed: float = np.nan
+    places: Places
+    at: np.ndarray
+    run: Raised
+    bases: list[Limits]
+    rise_at: np.ndarray
+    rise_before: np.ndarray
+    text: bytes
+    offsets: np.ndarray
+    elapsed: np.ndarray
+    table: tuple[Limits, ...]
 
 
 class Scribe:
     """Writes one file, batch by batch."""
 
-    def __init__(self, firmware: str, limits: Limits, budget: Budget, dt: float, tally: Tally, write: Callable[[bytes], None],
-                 stamp: bytes, patch_times: bool):
-        self._stamp, self._firmware, self._budget, self._dt, self._tally = stamp, firmware, budget, dt, tally
-        self._write, self._patch_times = write, patch_times
-        self._run = _Run(False, limits, limits)
+    def __init__(
+        self,
+        firmware: str,
+        limits: Limits,
+        segmenter: Segmenter,
+        tally: Tally,
+        write: Callable[[bytes], object],
+        stamp: bytes,
+        patch_times: bool,
+    ):
+        self._firmware, self._segmenter, self._tally = firmware, segmenter, tally
+        self._write, self._stamp, self._patch_times = write, stamp, patch_times
+        self._raised = False
+        self._base = self._in_force = limits  # where the run began; of the file, now
+        self._feed = np.nan  # F that the file has in force
         self._held: Places | None = None  # lines whose time has not come
         self._modes = power_on_modes()  # after the last line written
         self._e = 0.0  # of the machine, after the last move [mm]
-        self._late = 0.0  # clock error, made good by the next segment [s]
         self._rest = 0.0  # since the last stretch [s]
         self.elapsed = 0.0  # print time [s]
         self.dwelt = 0.0  # of it in dwells [s]
@@ -88,81 +93,37 @@ class Scribe:
         table : limits that `lines.state` counts in
         """
         idle = np.where(inside, 0.0, part.profile.duration)
-        places = place(lines, part.moves, inside, batch.grid, idle, self._e)
-        places = after(self._held, places)
-        n = len(batch.command)
-        due = places.sample < (n - 0.25 if batch.grid.open_last else np.inf)
-        starts = part.moves.line[batch.start]
-        barrier = places.lines.number[due & (places.lines.kind == Kind.BARRIER)]
-        run = raised_where(places.lines.number[due], barrier, starts, self._run.raised)
-        bases = self._bases(run, places[due], starts, table)
-        text, offsets, node, spent = b"", np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(1)
-        segments = None
-        if n:
-            segments = self._segments(batch, part, places[due])
-            timed_moves, done, feed = self._timed(segments, batch, bases)
-            self._count(segments, timed_moves, done, batch, idle)
-            text, offsets = segment_lines(segments.words, segments.modes, feed)
-            node, spent = segments.node, _spent(segments.words.real, done)
-        self._emit(places[due], run, starts, bases, segments, text, offsets, node, spent, table)
-        self._carry(places, due, part, idle, float(spent[-1]), lines, batch.dropped, table)
-        self._run.raised = run.after
+        places = after(self._held, place(lines, part.moves, inside, batch.grid, idle, self._e))
+        due = places.sample < (len(batch.command) - 0.25 if batch.grid.open_last else np.inf)
+        page, segments = self._page(batch, part, places[due], table)
+        if segments:
+            self._tell(batch, segments, idle)
+        self._emit(page, segments)
+        self._carry(places, due, part, idle, page, lines, batch.dropped)
 
     def finish(self) -> None:
         """Put the limits back at the end of the file."""
-        if self._run.raised:
-            self._put(restoring(self._firmware, self._run.in_force, self._run.feed))
-            self._run.raised = False
+        if self._raised:
+            self._put(restoring(self._firmware, self._in_force, self._feed))
+            self._raised = False
 
-    def _segments(self, batch: Batch, part: Part, places: Places) -> _Segments:
-        n = len(batch.command)
-        ends = np.column_stack([batch.begin, batch.end]).ravel()
-        bends = kinks(part.moves, part.profile, batch.grid)
-        needed = np.union1d(bends[(bends > 0) & (bends < n - 1)], forced(places, 0, n - 1))
-        node = break_points(batch.command, ends, needed, self._dt, self._budget)
-        pinned = np.isin(node, ends)
-        position = np.column_stack([fit(batch.command, node, pinned), batch.desired[node, 2:]])
-        if not np.isfinite(position).all():
-            raise LimitError("a compensated position is not finite")
-        first = np.searchsorted(node, batch.begin)
-        real = np.ones(len(node) - 1, dtype=bool)
-        real[first[1:] - 1] = False
-        modes = self._modes_of(places, segment_of(places.sample, node), len(real))
-        return _Segments(node, pinned, words_of(position, modes, real, ~pinned), modes, first)
-
-    def _modes_of(self, places: Places, at: np.ndarray, count: int) -> Modes:
-        """Modes in force for each segment: those after the last line before it."""
-        rows = self._modes.then(places.lines.modes(places.e_machine))
-        return rows[np.searchsorted(at, np.arange(count), side="right")]
-
-    def _timed(self, segments: _Segments, batch: Batch, bases: list[Limits]) -> tuple[Moves, Profile, np.ndarray]:
-        """The written segments as the firmware sees them, what its planner makes of them, and their F words."""
-        words, modes = segments.words, segments.modes
-        here = np.flatnonzero(words.real)
-        unit, factor = words.unit[here], modes.speed_factor[here]
-        stop = np.zeros(len(words.real), dtype=bool)
-        stop[segments.first[1 if batch.begun else 0 :]] = True
-        limits = tuple(dict.fromkeys(bases))
-        stretch = np.searchsorted(segments.first, here, side="right") - 1
-        state = np.array([limits.index(base) for base in bases])[stretch]
-        moves = Moves(
-            start=words.begin[here] * (unit[:, None] / SCALE) + modes.offset[here],
-            delta=words.delta[here],
-            speed=np.ones(len(here)),
-            stop=stop[here],
-            state=state,
-            line=np.zeros(len(here), dtype=np.int64),
-            limits=tuple(raised(self._firmware, base) for base in limits),
-        )
-        wanted = np.diff(segments.node)[here] * self._dt
-        asked = wanted.copy()
-        asked[0] = max(asked[0] - self._late, 0.5 * asked[0])
-        moves, done = timed(moves, asked, self._firmware, lambda v: speed_of(feed_of(v, unit, factor), unit, factor),
-                            batch.begun, batch.grid.open_last)
-        self._late += float(done.duration.sum() - wanted.sum())
-        feed = np.zeros(len(words.real), dtype=np.int64)
-        feed[here] = feed_of(moves.speed, unit, factor)
-        return moves, done, feed
+    def _page(
+        self, batch: Batch, part: Part, places: Places, table: tuple[Limits, ...]
+    ) -> tuple[_Page, Segments | None]:
+        starts = part.moves.line[batch.start]
+        number = places.lines.number
+        run = raised_where(number, number[places.lines.kind == BARRIER], starts, self._raised)
+        bases = self._bases(run, places, starts, table)
+        none = np.zeros(1, dtype=np.int64)
+        if not len(batch.command):
+            at = segment_of(places.sample, none)
+            return _Page(places, at, run, bases, none[:0], none[:0], b"", none, np.zeros(1), table), None
+        segments = self._segmenter.segments(batch, part, places, self._modes, bases)
+        text, offsets = segment_lines(segments.words, segments.modes, segments.feed)
+        at = segment_of(places.sample, segments.node)
+        rise_at, first_line = segments.first[run.begin], starts[run.begin]
+        before = np.clip(np.searchsorted(number, first_line), *(np.searchsorted(at, rise_at, side=s) for s in SIDES))
+        return _Page(places, at, run, bases, rise_at, before, text, offsets, segments.elapsed, table), segments
 
     def _bases(self, run: Raised, places: Places, starts: np.ndarray, table: tuple[Limits, ...]) -> list[Limits]:
         """Limits of the file in force where the run of each stretch began; raised, they hold for the stretch."""
@@ -170,64 +131,93 @@ class Scribe:
         bases = []
         for begins, line in zip(run.begin.tolist(), before.tolist(), strict=True):
             if begins:
-                self._run.base = table[places.lines.state[line]] if line >= 0 else self._run.in_force
-            bases.append(self._run.base)
+                self._base = table[places.lines.state[line]] if line >= 0 else self._in_force
+            bases.append(self._base)
         return bases
 
-    def _count(self, segments: _Segments, moves: Moves, done: Profile, batch: Batch, idle: np.ndarray) -> None:
+    def _tell(self, batch: Batch, segments: Segments, idle: np.ndarray) -> None:
         """Hand the batch to the tally."""
         passed = np.concatenate([[0.0], np.cumsum(idle)])[batch.start]
         rest = np.diff(passed, prepend=-self._rest)
-        if batch.begun:
-            rest[0] = 0.0
         self._rest = float(idle.sum() - passed[-1])
         number = np.cumsum(segments.words.real) - 1
-        self._tally.add(Stretches(
-            begin=batch.begin, end=batch.end, rest=np.rint(rest / self._dt).astype(np.int64),
-            desired=batch.desired[:, :2], command=batch.command, extruding=batch.extruding,
-            first=number[segments.first], start=moves.start, delta=moves.delta, distance=moves.distance,
-            wanted=np.diff(segments.node)[segments.words.real] * self._dt, executed=done, dt=self._dt,
-        ))  # fmt: skip
+        dt = self._segmenter.dt
+        self._tally.add(
+            Stretches(
+                begin=batch.begin,
+                end=batch.end,
+                rest=np.rint(rest / dt).astype(np.int64),
+                begun=batch.begun,
+                goes_on=batch.grid.open_last and batch.dropped < len(batch.command),
+                desired=batch.desired[:, :2],
+                command=batch.command,
+                extruding=batch.extruding,
+                first=number[segments.first],
+                start=segments.moves.start,
+                delta=segments.moves.delta,
+                distance=segments.moves.distance,
+                wanted=segments.wanted,
+                executed=segments.done,
+                dt=dt,
+            )
+        )
 
-    def _emit(self, places: Places, run: Raised, starts: np.ndarray, bases: list[Limits], segments: _Segments | None,
-              text: bytes, offsets: np.ndarray, node: np.ndarray, spent: np.ndarray, table: tuple[Limits, ...]) -> None:
-        """Write segments and lines in their order."""
-        at = segment_of(places.sample, node)
-        rises = np.flatnonzero(run.begin)
-        place_of = np.concatenate([at, segments.first[rises] if segments else np.zeros(0, dtype=np.int64)])
-        number = np.concatenate([places.lines.number, starts[rises] - 0.5])
-        order = np.lexsort((number, place_of))
-        restated = self._restated(places, at, segments)
+    def _emit(self, page: _Page, segments: Segments | None) -> None:
+        """Write segments and lines in their order: lines that stay as they are in one piece with their neighbours."""
+        places, lines = page.places, page.places.lines
+        restated = self._restated(page, segments)
+        special = is_special(places, page.run.line) | (lines.number == 0)
+        special[list(restated)] = True
+        special[lines.kind == PROGRESS] |= self._patch_times
+        breaks = joints(lines, special) | (np.diff(page.at, prepend=-1) != 0)
+        breaks[page.rise_before[page.rise_before < len(lines)]] = True
+        rises = list(zip(page.rise_before.tolist(), page.rise_at.tolist(), page.run.begin.nonzero()[0], strict=True))
         done = 0
-        for item in order.tolist():
-            cut = int(offsets[place_of[item]])
-            if cut > done:
-                self._put(text[done:cut])
-                done = cut
-            if item >= len(at):
-                self._put(raising(self._firmware, bases[rises[item - len(at)]]))
+        for i, j in pairwise(np.append(np.flatnonzero(breaks), len(lines)).tolist()):
+            while rises and rises[0][0] <= i:
+                done = self._rise(page, done, *rises.pop(0)[1:])
+            done = self._up_to(page, done, int(page.at[i]))
+            if special[i]:
+                self._line(page, i, restated.get(i))
             else:
-                self._line(places, item, bool(run.line[item]), restated.get(item), table,
-                           self.elapsed + float(places.passed[item] + spent[at[item]]))
-        self._put(text[done:])
+                self._put(lines.text[lines.begin[i] : lines.end[j - 1]])
+        for _, at, stretch in rises:
+            done = self._rise(page, done, at, stretch)
+        self._put(page.text[done:])
 
-    def _restated(self, places: Places, at: np.ndarray, segments: _Segments | None) -> dict[int, int]:
+    def _rise(self, page: _Page, done: int, at: int, stretch: int) -> int:
+        """Raise the limits before segment `at`."""
+        done = self._up_to(page, done, at)
+        self._put(raising(self._firmware, page.bases[stretch]))
+        return done
+
+    def _up_to(self, page: _Page, done: int, segment: int) -> int:
+        """Write the segments before `segment`, and say how far their text has been written."""
+        cut = int(page.offsets[segment])
+        if cut > done:
+            self._put(page.text[done:cut])
+        return max(cut, done)
+
+    def _restated(self, page: _Page, segments: Segments | None) -> dict[int, int]:
         """E words of G92 lines inside stretches: E is moving, and the machine is not exactly where the file says."""
         if segments is None:
             return {}
-        inner = (places.lines.kind == Kind.MODE) & (places.sample == np.floor(places.sample)) & ~places.lines.e_relative
-        return {i: int(segments.words.begin[at[i], E]) for i in np.flatnonzero(inner & (at < len(segments.words.begin))).tolist()}
+        inner = (page.places.lines.kind == MODE) & (page.places.sample == np.floor(page.places.sample))
+        inner &= page.at < len(segments.words.begin)
+        return {i: int(segments.words.begin[page.at[i], E]) for i in np.flatnonzero(inner).tolist()}
 
-    def _line(self, places: Places, i: int, raised_here: bool, e_word: int | None, table: tuple[Limits, ...], elapsed: float) -> None:
-        lines = places.lines
-        restore = b""
-        if raised_here and lines.kind[i] == Kind.BARRIER:
-            restore = restoring(self._firmware, table[lines.state[i]], float(lines.feed[i]))
+    def _line(self, page: _Page, i: int, e_word: int | None) -> None:
+        """Write one line that is not simply passed on."""
+        places, lines = page.places, page.places.lines
+        raised_here, restore = bool(page.run.line[i]), b""
+        if raised_here and lines.kind[i] == BARRIER:
+            restore = restoring(self._firmware, page.table[lines.state[i]], float(lines.feed[i]))
         text = kept_text(places, i, raised_here, restore, e_word)
-        if self._patch_times and lines.kind[i] == Kind.PROGRESS:
+        if self._patch_times and lines.kind[i] == PROGRESS:
             body = text.rstrip(b"\r\n")
             told = time_line(body)
             if told:
+                elapsed = self.elapsed + float(places.passed[i] + page.elapsed[page.at[i]])
                 self.patches.append(Patch(self.written, told, elapsed))
                 text = body.ljust(told.room) + text[len(body) :]
         self._put(text)
@@ -239,24 +229,29 @@ class Scribe:
             self._write(text)
             self.written += len(text)
 
-    def _carry(self, places: Places, due: np.ndarray, part: Part, idle: np.ndarray, spent: float, lines: Listing, dropped: int,
-               table: tuple[Limits, ...]) -> None:
+    def _carry(
+        self,
+        places: Places,
+        due: np.ndarray,
+        part: Part,
+        idle: np.ndarray,
+        page: _Page,
+        lines: Listing,
+        dropped: int,
+    ) -> None:
         """What the next batch needs to know."""
+        self._raised = page.run.after
         if len(part.moves):
             self._e = float(part.moves.start[-1, E] + part.moves.delta[-1, E])
         if len(lines):
-            self._run.in_force, self._run.feed = table[lines.state[-1]], float(lines.feed[-1])
+            self._in_force, self._feed = page.table[lines.state[-1]], float(lines.feed[-1])
+        if len(page.places):
+            self._modes = page.places[-1:].lines.modes(page.places.e_machine[-1:])
         passed = float(idle.sum() + lines.wait.sum())
-        self.elapsed += spent + passed
+        self.elapsed += float(page.elapsed[-1]) + passed
         self.dwelt += float(lines.wait.sum())
-        written, held = places[due], places[~due]
-        if len(written):
-            self._modes = written[-1:].lines.modes(written.e_machine[-1:])
+        held = places[~due]
         self._held = replace(held, sample=held.sample - dropped, passed=held.passed - passed) if len(held) else None
 
 
-def _spent(real: np.ndarray, done: Profile) -> np.ndarray:
-    """Time of the segments before each node [s], shape (k + 1,)."""
-    duration = np.zeros(len(real))
-    duration[real] = done.duration
-    return np.concatenate([[0.0], np.cumsum(duration)])
+SIDES = ("left", "right")

@@ -19,6 +19,7 @@ class Settings:
     acceleration, velocity : planned instead of what the profile and the file say [mm/s^2], [mm/s]; None: theirs
     segments_per_second    : what the firmware can take; None: the profile's
     options     : of the method (control.design)
+    fir         : samples of the impulse response the method knows; None: until it has died out
     patch_times : time comments and M73 are written padded, to be filled in at the end
     """
 
@@ -29,6 +30,7 @@ class Settings:
     velocity: float | None = None
     segments_per_second: float | None = None
     options: Mapping[str, float] = field(default_factory=dict)
+    fir: int | None = None
     patch_times: bool = True
 
     def told(self) -> str:
@@ -38,5 +40,7 @@ class Settings:
             parts.append(f"accel={self.acceleration:g}")
         if self.velocity is not None:
             parts.append(f"velocity={self.velocity:g}")
+        if self.fir is not None:
+            parts.append(f"fir={self.fir}")
         parts += [f"{name}={value:g}" for name, value in sorted(self.options.items())]
         return " ".join(parts)

@@ -20,6 +20,7 @@ DC_TOLERANCE = 0.02  # of rounded coefficients and of measurements; a larger off
 MARGINAL = 1e-6  # a pole this close to the unit circle rings for millions of samples
 MAX_SAMPLES = 20_000  # of an impulse response: 20 s at 1 ms, no printer rings that long
 TOLERANCE = 1e-5  # of the slowest envelope at the end of an impulse response: 11.5 time constants
+TAIL = 0.01  # of an impulse response that may be cut off
 RANK = 1e-3  # singular values of a Hankel matrix under this part of the largest are no mode
 HANKEL = 300  # rows of that matrix: 0.6 s of response at 1 ms tell modes apart from 2 Hz on
 
@@ -71,6 +72,18 @@ def impulse_response(plant: Plant, tolerance: float = TOLERANCE) -> np.ndarray:
         raise ModelError(f"the impulse response is {n} samples long, more than {MAX_SAMPLES}: check the damping")
     h = lfilter(plant.b, plant.a, np.concatenate(([1.0], np.zeros(n - 1))))
     return h / h.sum()
+
+
+def cut(h: np.ndarray, count: int) -> np.ndarray:
+    """The first `count` samples of an impulse response, scaled to sum 1 again.
+
+    Raises ModelError where more than TAIL of it would be lost: a response cut too short makes any compensator wrong.
+    """
+    lost = float(np.abs(h[count:]).sum() / np.abs(h).sum())
+    if lost > TAIL:
+        raise ModelError(f"an impulse response of {count} samples leaves out {100 * lost:.1f} % of this plant's {len(h)}: "
+                         "take a longer one")  # fmt: skip
+    return h[:count] / h[:count].sum()
 
 
 def modes(plant: Plant) -> tuple[Vibration, ...]:

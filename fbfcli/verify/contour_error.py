@@ -11,15 +11,39 @@ REACH = 64  # samples: the nozzle is never later or earlier on its path than thi
 COARSE = 4  # samples between the points of the first search
 
 
-def contour_error(actual: np.ndarray, desired: np.ndarray, at: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+def contour_error(
+    actual: np.ndarray, desired: np.ndarray, at: np.ndarray, first: np.ndarray, last: np.ndarray
+) -> np.ndarray:
     """Distance of `actual[at]` from the desired path [mm], shape (k,).
 
     actual, desired : ndarray, shape (n, 2)   nozzle and path, sampled together [mm]
     at              : ndarray of int, (k,)    samples to look at
     first, last     : ndarray of int, (k,)    the stretch each of them belongs to
+
+    A point d away from its own sample has its nearest path point within 2 d of that sample: where the path goes further
+    than that in COARSE samples, the first search is left out.
     """
     px, py = np.ascontiguousarray(desired[:, 0]), np.ascontiguousarray(desired[:, 1])
     qx, qy = actual[at, 0], actual[at, 1]
+    centre = at.copy()
+    reach = np.minimum(
+        _squared(px, py, px[at], py[at], np.maximum(at - COARSE, first)),
+        _squared(px, py, px[at], py[at], np.minimum(at + COARSE, last)),
+    )
+    nearest = _squared(px, py, qx, qy, at)
+    far = np.flatnonzero(4.0 * nearest > reach)
+    if len(far):
+        centre[far] = _coarse(px, py, qx[far], qy[far], at[far], first[far], last[far])
+    for shift in range(-COARSE, COARSE):
+        k = np.clip(centre + shift, first, np.maximum(last - 1, first))
+        np.minimum(nearest, _to_segment(px, py, qx, qy, k, np.minimum(k + 1, last)), out=nearest)
+    return np.sqrt(nearest)
+
+
+def _coarse(
+    px: np.ndarray, py: np.ndarray, qx: np.ndarray, qy: np.ndarray, at: np.ndarray, first: np.ndarray, last: np.ndarray
+) -> np.ndarray:
+    """Sample of the nearest of every COARSE-th path point within REACH."""
     best = at.copy()
     nearest = _squared(px, py, qx, qy, at)
     for shift in range(-REACH, REACH + 1, COARSE):
@@ -28,11 +52,7 @@ def contour_error(actual: np.ndarray, desired: np.ndarray, at: np.ndarray, first
         closer = distance < nearest
         np.copyto(nearest, distance, where=closer)
         np.copyto(best, k, where=closer)
-    centre = best.copy()
-    for shift in range(-COARSE, COARSE):
-        k = np.clip(centre + shift, first, np.maximum(last - 1, first))
-        np.minimum(nearest, _to_segment(px, py, qx, qy, k, np.minimum(k + 1, last)), out=nearest)
-    return np.sqrt(nearest)
+    return best
 
 
 def _squared(px: np.ndarray, py: np.ndarray, qx: np.ndarray, qy: np.ndarray, k: np.ndarray) -> np.ndarray:
@@ -40,7 +60,9 @@ def _squared(px: np.ndarray, py: np.ndarray, qx: np.ndarray, qy: np.ndarray, k: 
     return dx * dx + dy * dy
 
 
-def _to_segment(px: np.ndarray, py: np.ndarray, qx: np.ndarray, qy: np.ndarray, k: np.ndarray, j: np.ndarray) -> np.ndarray:
+def _to_segment(
+    px: np.ndarray, py: np.ndarray, qx: np.ndarray, qy: np.ndarray, k: np.ndarray, j: np.ndarray
+) -> np.ndarray:
     """Squared distance of each q from the segment between path points k and j."""
     ax, ay = px[k], py[k]
     sx, sy = px[j] - ax, py[j] - ay
@@ -67,11 +89,17 @@ class ErrorTally:
             self._count += len(error)
             self._squares += float(error @ error)
             self._max = max(self._max, float(error.max()))
-            self._bins += np.bincount(np.minimum(error / self.BIN_MM, self.BINS - 1).astype(np.int64), minlength=self.BINS)
+            self._bins += np.bincount(
+                np.minimum(error / self.BIN_MM, self.BINS - 1).astype(np.int64), minlength=self.BINS
+            )
 
     def figures(self) -> dict[str, float]:
         """The three figures [um], or zeros where nothing was counted."""
         if not self._count:
             return {"rms": 0.0, "p99": 0.0, "max": 0.0}
-        p99 = min(np.searchsorted(np.cumsum(self._bins), 0.99 * self._count) + 1, self.BINS) * self.BIN_MM
-        return {"rms": 1e3 * (self._squares / self._count) ** 0.5, "p99": 1e3 * min(float(p99), self._max), "max": 1e3 * self._max}
+        p99 = (int(np.searchsorted(np.cumsum(self._bins), 0.99 * self._count)) + 1) * self.BIN_MM
+        return {
+            "rms": 1e3 * (self._squares / self._count) ** 0.5,
+            "p99": 1e3 * min(p99, self._max),
+            "max": 1e3 * self._max,
+        }

@@ -26,7 +26,7 @@ class Nozzle:
         """Nozzle positions for more of the command, shape (n, axes).
 
         command : ndarray, shape (n, axes)      [mm]
-        begin   : ndarray of int, shape (s,)    samples at which a stretch begins
+        begin   : ndarray of int, shape (s,)    samples at which a stretch begins; those before the first go on with the last
         rest    : ndarray of int, shape (s,)    samples of rest before each of them
 
         With unit DC gain, a displacement between stretches moves the whole plant: it is taken out and put back.
@@ -34,16 +34,15 @@ class Nozzle:
         if self._last is None:
             self._last, self._moved = command[0].copy(), command[0].copy()
         previous = np.where(begin[:, None] > 0, command[begin - 1], self._last)
-        jump = np.zeros_like(command)
-        jump[begin] = command[begin] - previous
-        shift = self._moved + np.cumsum(jump, axis=0)
+        moved = self._moved + np.concatenate([np.zeros((1, command.shape[1])), np.cumsum(command[begin] - previous, axis=0)])
+        length = np.diff(begin, prepend=0, append=len(command))
         counts = np.ones(len(command), dtype=np.int64)
         counts[begin] += np.minimum(rest, REST_SAMPLES)
         where = np.cumsum(counts) - 1
-        out = np.empty_like(command)
+        out = np.empty(command.shape, order="F")
         for axis, (b, a) in enumerate(self._b_a):
-            smooth = np.repeat(command[:, axis] - shift[:, axis], counts)
-            y, self._state[axis] = lfilter(b, a, smooth, zi=self._state[axis])
-            out[:, axis] = y[where] + shift[:, axis]
-        self._last, self._moved = command[-1].copy(), shift[-1].copy()
+            shift = np.repeat(moved[:, axis], length)
+            y, self._state[axis] = lfilter(b, a, np.repeat(command[:, axis] - shift, counts), zi=self._state[axis])
+            np.add(y[where], shift, out=out[:, axis])
+        self._last, self._moved = command[-1].copy(), moved[-1]
         return out

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from fbfcli.motion.profile import Profile
 from fbfcli.motion.sample import sample
-from fbfcli.verify.contour_error import ErrorTally, contour_error
+from fbfcli.verify.contour_error import REACH, ErrorTally, contour_error
 from fbfcli.verify.simulate import Nozzle
 
 STRIDE = 4  # samples between those whose contour error is measured
@@ -21,6 +21,8 @@ class Stretches:
 
     begin, end : ndarray of int, shape (s,)        first and last sample of each
     rest       : ndarray of int, shape (s,)        samples of rest before each
+    begun      : bool                              sample 0 was the last one of the stretches before: one stretch goes on
+    goes_on    : bool                              the last stretch goes on in the next ones
     desired, command : ndarray, shape (n, 2)       [mm]
     extruding  : ndarray of bool, shape (n,)
     first      : ndarray of int, shape (s,)        first segment of each
@@ -34,6 +36,8 @@ class Stretches:
     begin: np.ndarray
     end: np.ndarray
     rest: np.ndarray
+    begun: bool
+    goes_on: bool
     desired: np.ndarray
     command: np.ndarray
     extruding: np.ndarray
@@ -45,31 +49,57 @@ class Stretches:
     executed: Profile
     dt: float
 
-    def positions(self) -> np.ndarray:
-        """X and Y that the planner model executes, on the samples, shape (n, 2)."""
+    def positions(self, late: float = 0.0) -> np.ndarray:
+        """X and Y that the planner model executes, on the samples, shape (n, 2); it begins `late` [s]."""
         counts = np.diff(np.append(self.first, len(self.distance)))
         elapsed = np.cumsum(self.executed.duration) - self.executed.duration
         t0 = elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], counts)
-        x, _ = sample(self.start[:, :2], self.delta[:, :2], self.distance, self.executed, t0, len(self.desired), self.dt)
-        x[self.begin] = self.start[self.first, :2]
+        if self.begun:
+            t0[: counts[0]] += late
+        start, delta = self.start[:, :2], self.delta[:, :2]
+        x, _ = sample(start, delta, self.distance, self.executed, t0, len(self.desired), self.dt)
+        new = slice(1 if self.begun else 0, None)
+        x[self.begin[new]] = start[self.first[new]]
         return x
 
 
-@dataclass
+@dataclass(frozen=True)
+class _Paths:
+    """Samples whose contour error is still to be measured: the desired path, the nozzle before and after."""
+
+    desired: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    extruding: np.ndarray
+
+    def __getitem__(self, rows: slice) -> _Paths:
+        return _Paths(self.desired[rows], self.before[rows], self.after[rows], self.extruding[rows])
+
+    def then(self, more: _Paths) -> _Paths:
+        return _Paths(
+            np.concatenate([self.desired, more.desired]),
+            np.concatenate([self.before, more.before]),
+            np.concatenate([self.after, more.after]),
+            np.concatenate([self.extruding, more.extruding]),
+        )
+
+
 class Tally:
-    """What the written file does on the printer's own model, so far."""
+    """What the written file does on the printer's own model, so far.
 
-    plants: Sequence[tuple[np.ndarray, np.ndarray]]
-    follow: ErrorTally = field(default_factory=ErrorTally)
-    before: ErrorTally = field(default_factory=ErrorTally)
-    after: ErrorTally = field(default_factory=ErrorTally)
-    segments: int = 0
-    wanted_s: float = 0.0
-    executed_s: float = 0.0
-    busiest: int = 0  # segments within one second
+    plants : (b, a) of X and Y
+    follow, before, after : errors of the executed command, of the nozzle uncompensated and compensated
+    """
 
-    def __post_init__(self) -> None:
-        self._uncompensated, self._compensated = Nozzle(self.plants), Nozzle(self.plants)
+    def __init__(self, plants: Sequence[tuple[np.ndarray, np.ndarray]]):
+        self._uncompensated, self._compensated = Nozzle(plants), Nozzle(plants)
+        self._open: _Paths | None = None  # the last samples of a stretch that goes on
+        self._counted = 0  # those of them that are counted already
+        self._late = 0.0  # of the executed segments, within a stretch that goes on [s]
+        self.follow, self.before, self.after = ErrorTally(), ErrorTally(), ErrorTally()
+        self.segments = 0
+        self.wanted_s = self.executed_s = 0.0
+        self.busiest = 0  # segments within one second
 
     def add(self, part: Stretches) -> None:
         """Execute the written segments, drive the plant, and count the errors."""
@@ -77,17 +107,32 @@ class Tally:
         self.wanted_s += float(part.wanted.sum())
         self.executed_s += float(part.executed.duration.sum())
         self.busiest = max(self.busiest, _busiest(part))
-        x = part.positions()
-        ex, ey = x[:, 0] - part.command[:, 0], x[:, 1] - part.command[:, 1]
+        x = part.positions(self._late)
+        last = slice(int(part.first[-1]), None)
+        self._late = float((part.executed.duration[last] - part.wanted[last]).sum()) + (
+            self._late if part.begun and len(part.first) == 1 else 0.0
+        )
+        new = slice(1 if part.begun else 0, None)
+        ex, ey = x[new, 0] - part.command[new, 0], x[new, 1] - part.command[new, 1]
         self.follow.add(np.sqrt(ex * ex + ey * ey))
-        at = np.flatnonzero(part.extruding[::STRIDE]) * STRIDE
-        stretch = np.searchsorted(part.begin, at, side="right") - 1
-        first, last = part.begin[stretch], part.end[stretch]
-        for command, nozzle, errors in (
-            (part.desired, self._uncompensated, self.before),
-            (x, self._compensated, self.after),
-        ):
-            errors.add(contour_error(nozzle.follow(command, part.begin, part.rest), part.desired, at, first, last))
+        begin, rest = (part.begin[1:] - 1, part.rest[1:]) if part.begun else (part.begin, part.rest)
+        before = self._uncompensated.follow(part.desired[new], begin, rest)
+        after = self._compensated.follow(x[new], begin, rest)
+        self._contour(_Paths(part.desired[new], before, after, part.extruding[new]), begin, part.goes_on)
+
+    def _contour(self, paths: _Paths, begin: np.ndarray, goes_on: bool) -> None:
+        """Count contour errors, those near a cut once there is a path on both sides of it."""
+        paths, counted = (self._open.then(paths), self._counted) if self._open else (paths, 0)
+        n = len(paths.desired)
+        begin = np.union1d([0], begin + (len(self._open.desired) if self._open else 0))
+        ready = max(n - REACH, counted) if goes_on else n
+        at = np.arange(counted, ready)[paths.extruding[counted:ready]][::STRIDE]
+        stretch = np.searchsorted(begin, at, side="right") - 1
+        first, last = begin[stretch], np.append(begin[1:], n)[stretch] - 1
+        self.before.add(contour_error(paths.before, paths.desired, at, first, last))
+        self.after.add(contour_error(paths.after, paths.desired, at, first, last))
+        keep = max(int(begin[-1]), ready - REACH)
+        self._open, self._counted = (paths[keep:], ready - keep) if goes_on else (None, 0)
 
     @property
     def drift_ppm(self) -> float:

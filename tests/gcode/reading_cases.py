@@ -79,9 +79,10 @@ def motion_lines(draw: st.DrawFn) -> str:
     return draw(st.sampled_from(["", " "])) + line
 
 
-other_lines = st.sampled_from(
-    "G90|G91|M82|M83|G92 E0|G92 X5|G92 X1.5 Y2 Z3 E4|G28|G28 X|G28 Z0|G4 P100|M400|M104 S200|M117 Go X5|T0|M220 S50|"
-    "M204 S500|M204 P800 T900|M205 X8 Y8|SET_VELOCITY_LIMIT ACCEL=700|G10|G11|; only a comment|;TIME:12||EXCLUDE_OBJECT_END|"
-    "PAUSE|M73 P3|G2 I2 J1|G3 X1 Y1 I.5 J.5 E1 F900|G17|G3 Z1 I2".split("|")
-)
+OTHER_LINES = """
+G90|G91|M82|M83|G92 E0|G92 X5|G92 X1.5 Y2 Z3 E4|G28|G28 X|G28 Z0|G4 P100|M400|M104 S200|M117 Go X5|T0|M220 S50|M204 S500
+M204 P800 T900|M205 X8 Y8|SET_VELOCITY_LIMIT ACCEL=700|G10|G11|; only a comment|;TIME:12||EXCLUDE_OBJECT_END|PAUSE
+M73 P3|G2 I2 J1|G3 X1 Y1 I.5 J.5 E1 F900|G17|G3 Z1 I2|G17 G91 G21|G5 X1 Y1 I1 P1 Q1
+"""
+other_lines = st.sampled_from(OTHER_LINES.replace("\n", "|").split("|"))
 files = st.lists(st.one_of(motion_lines(), motion_lines(), other_lines), max_size=40).map("\n".join)

@@ -41,8 +41,8 @@ def test_chords_follow_the_circle(radius, angle, turn, clockwise, x, y, climb, e
     assert radius * turn * (1 - 0.11) <= length.sum() <= radius * turn * (1 + 1e-9) + 1e-9
     np.testing.assert_allclose(chords.delta[:, 2], climb / len(chords.delta), atol=1e-9)
     np.testing.assert_allclose(chords.delta[:, 3], extrude / len(chords.delta), atol=1e-9)
-    turned = np.cross(np.c_[chords.start[:, :2] - centre, np.zeros(len(points))], np.c_[points[:, :2] - centre, np.zeros(len(points))])
-    assert np.all(turned[:, 2] < 0) if clockwise else np.all(turned[:, 2] > 0)
+    (ax, ay), (bx, by) = (chords.start[:, :2] - centre).T, (points[:, :2] - centre).T
+    assert np.all((ax * by - ay * bx < 0) == clockwise)
 
 
 @given(st.floats(0.1, 50), angles, st.floats(0.1, 6.2), st.booleans())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import pytest
 from reading_cases import block_of
 
@@ -20,12 +22,14 @@ def limits_after(text, firmware):
 @pytest.mark.parametrize(
     ("text", "kind"),
     [
-        ("M104 S200", Kind.IN_ORDER), ("M106 S255", Kind.IN_ORDER), ("M117 Layer {1}", Kind.IN_ORDER), ("M900 K.05", Kind.IN_ORDER),
-        ("M862.3 P \"MK3S\"", Kind.IN_ORDER), ("EXCLUDE_OBJECT_START NAME=cube", Kind.IN_ORDER), ("M486 S1", Kind.IN_ORDER),
+        ("M104 S200", Kind.IN_ORDER), ("M106 S255", Kind.IN_ORDER), ("M117 Layer {1}", Kind.IN_ORDER),
+        ("M900 K.05", Kind.IN_ORDER), ("M862.3 P \"MK3S\"", Kind.IN_ORDER), ("M486 S1", Kind.IN_ORDER),
+        ("EXCLUDE_OBJECT_START NAME=cube", Kind.IN_ORDER), ("M221 S95", Kind.IN_ORDER),
         ("SET_PRESSURE_ADVANCE ADVANCE=.02", Kind.IN_ORDER), ("set_fan_speed fan=a speed=1", Kind.IN_ORDER),
-        ("M73 P1 R2", Kind.PROGRESS), ("G90", Kind.MODE), ("M83", Kind.MODE), ("G92 E0", Kind.MODE), ("M220 S90", Kind.MODE),
-        ("G28 X Y", Kind.BARRIER), ("G29", Kind.BARRIER), ("G4 P10", Kind.BARRIER), ("M400", Kind.BARRIER), ("T0", Kind.BARRIER),
-        ("M109 S200", Kind.BARRIER), ("TIMELAPSE_TAKE_FRAME", Kind.BARRIER), ("PRINT_START BED=60", Kind.BARRIER),
+        ("M73 P1 R2", Kind.PROGRESS), ("G90", Kind.MODE), ("M83", Kind.MODE), ("G92 E0", Kind.MODE),
+        ("M220 S90", Kind.MODE), ("G28 X Y", Kind.BARRIER), ("G29", Kind.BARRIER), ("G4 P10", Kind.BARRIER),
+        ("M400", Kind.BARRIER), ("T0", Kind.BARRIER), ("M109 S200", Kind.BARRIER),
+        ("TIMELAPSE_TAKE_FRAME", Kind.BARRIER), ("PRINT_START BED=60", Kind.BARRIER),
         ("M600", Kind.BARRIER), ("M84", Kind.BARRIER), ("G10", Kind.RETRACT), ("G11", Kind.RETRACT),
         ("G10 S200 P0", Kind.IN_ORDER), ("G10 P1 X-16.5", Kind.BARRIER),
     ],
@@ -51,7 +55,9 @@ def test_dwell(text, firmware, seconds):
     assert effect_of(text, firmware).wait == seconds
 
 
-@pytest.mark.parametrize(("text", "homed"), [("G28", (0, 1, 2)), ("G28 XY", (0, 1)), ("G28 Z0", (2,)), ("G28 W", (0, 1, 2))])
+@pytest.mark.parametrize(
+    ("text", "homed"), [("G28", (0, 1, 2)), ("G28 XY", (0, 1)), ("G28 Z0", (2,)), ("G28 W", (0, 1, 2))]
+)
 def test_homed_axes(text, homed):
     assert effect_of(text, "marlin").homed == homed
 
@@ -67,15 +73,18 @@ def test_m204():
 
 def test_units_of_speeds():
     assert limits_after("M203 X200 E50", "marlin").axis_velocity[0] == 200
-    assert limits_after("M203 X12000 E3000:3000", "reprapfirmware").axis_velocity == (200, float("inf"), float("inf"), 50)
+    assert limits_after("M203 X12000 E3000:3000", "reprapfirmware").axis_velocity == (200, inf, inf, 50)
+    assert limits_after("M203 S1 X200", "reprapfirmware").axis_velocity[0] == 200
     assert limits_after("M566 X600", "reprapfirmware").jerk[0] == 10
     assert limits_after("M205 X8 Y7", "marlin").jerk[:2] == (8, 7)
     assert limits_after("M205 J.02 S0 T0 B0", "marlin").junction_deviation == 0.02
 
 
 def test_velocity_limit():
-    after = limits_after("SET_VELOCITY_LIMIT VELOCITY=150 ACCEL=2000 SQUARE_CORNER_VELOCITY=7 MINIMUM_CRUISE_RATIO=.25", "klipper")
-    assert (after.velocity, after.acceleration, after.square_corner_velocity, after.minimum_cruise_ratio) == (150, 2000, 7, 0.25)
+    text = "SET_VELOCITY_LIMIT VELOCITY=150 ACCEL=2000 SQUARE_CORNER_VELOCITY=7 MINIMUM_CRUISE_RATIO=.25"
+    after = limits_after(text, "klipper")
+    assert (after.velocity, after.acceleration, after.square_corner_velocity) == (150, 2000, 7)
+    assert after.minimum_cruise_ratio == 0.25
     assert limits_after("SET_VELOCITY_LIMIT ACCEL=500 ACCEL_TO_DECEL=250", "klipper").minimum_cruise_ratio == 0.5
 
 
@@ -88,7 +97,10 @@ def test_a_limit_that_a_firmware_does_not_know_is_in_order(text, firmware):
     assert effect.kind == Kind.IN_ORDER and not effect.limits
 
 
-@pytest.mark.parametrize("text", ["M204 S0", "M204 Sx", "M220 S0", "G93", "G90.1", "M205 J-1"])
+@pytest.mark.parametrize(
+    "text",
+    ["M204 S0", "M204 Sx", "M204 S1" + 400 * "0", "G4 P" + 400 * "9", "M220 S0", "G93", "G90.1", "M205 J-1"],
+)
 def test_nonsense_is_refused(text):
     with pytest.raises(GcodeError):
         effect_of(text, "marlin")

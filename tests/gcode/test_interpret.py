@@ -24,7 +24,7 @@ def readable(text, firmware):
     try:
         return whole(text, firmware)
     except GcodeError as error:
-        assert "arc" in error.why or "absurd" in error.why or "above zero" in error.why or "curve" in error.why
+        assert any(word in error.why for word in ("arc", "curve", "G5", "absurd", "above zero"))
         return None
 
 
@@ -38,7 +38,7 @@ def test_chunks_of_any_size_are_the_whole(text, firmware, size):
     for name in PER_LINE + PER_MOVE:
         np.testing.assert_allclose(joined(parts, name), joined([block], name), rtol=1e-12, atol=1e-6)
     assert last.limits == state.limits
-    assert [w for part in parts for w in part.warnings] == list(block.warnings)
+    assert sorted(w for part in parts for w in part.warnings) == sorted(block.warnings)
 
 
 @given(files, firmwares)

@@ -1,0 +1,98 @@
+"""Compare all methods on the ringing tower: `python benchmarks/methods.py`; `--write` puts it in docs/methods.md."""
+
+from __future__ import annotations
+
+import argparse
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from trajectory import motion
+
+from fbfcli.cli.lookup import bundled
+from fbfcli.control.design import METHODS
+from fbfcli.control.limits import peaks
+from fbfcli.gcode.scan import chunks
+from fbfcli.pipeline import Settings, Summary, compensate
+from fbfcli.pipeline.summary import clock
+from fbfcli.printer import Printer
+
+ROOT = Path(__file__).parents[1]
+PART = ROOT / "sample_gcode" / "ringing_tower.gcode"
+PAGE = ROOT / "docs" / "methods.md"
+BEGIN, END = "<!-- table: benchmarks/methods.py --write -->", "<!-- end of table -->"
+ACCELERATION = 5000.0  # mm/s^2; the file prints at 200 mm/s
+PRINTERS = ("taz6", "synthetic_bed_slinger")
+TIMES_BETTER = 10.0  # lpfbs than none
+NEAR_FBF = 0.01  # lpfbs to fbf
+
+
+@dataclass(frozen=True)
+class Result:
+    """One method on one printer; `peak` is the largest commanded |u''| of an axis over one sample [mm/s^2]."""
+
+    summary: Summary
+    peak: float
+
+    HEAD = (
+        "| method | contour error RMS | 99 % | max | print time | follow error RMS | segments/s | peak acceleration |",
+        "|---|---|---|---|---|---|---|---|",
+    )
+
+    @property
+    def row(self) -> str:
+        """One line of the table."""
+        told = self.summary
+        error = told.contour_after
+        cells = (f"`{told.method}`", f"{error.rms:.1f}", f"{error.p99:.0f}", f"{error.max:.0f}", clock(told.time),
+                 f"{told.follow_error.rms:.1f}", f"{told.segments_per_second:.0f}",
+                 f"{self.peak / 1000:.1f}")  # fmt: skip
+        return f"| {' | '.join(cells)} |"
+
+
+def result(text: bytes, printer: Printer, method: str, segments: float | None) -> Result:
+    """Compensate the text by a method; what the written file does, and what was commanded."""
+    settings = Settings(method=method, acceleration=ACCELERATION, segments_per_second=segments)
+    done = compensate(chunks(io.BytesIO(text)), printer, settings, lambda written: None)
+    moved = motion(text, printer, settings)
+    return Result(done.summary, float(np.max(peaks(moved.command, moved.begin, settings.dt)[1])))
+
+
+def table(text: bytes, printer: Printer, segments: float | None) -> str:
+    """All methods on one printer, and whether `lpfbs` is as good as it must be."""
+    results = {method: result(text, printer, method, segments) for method in METHODS}
+    none, lpfbs, fbf = (results[method].summary.contour_after.rms for method in ("none", "lpfbs", "fbf"))
+    better, apart = none / lpfbs, abs(lpfbs / fbf - 1.0)
+    budget = results["none"].summary.budget
+    lines = [f"### {printer.name}", "", f"At most {budget:.0f} segments per second.", "", *Result.HEAD]
+    lines += [results[method].row for method in METHODS]
+    lines += ["", f"`lpfbs` is {better:.1f} times below `none` (asked: {TIMES_BETTER:.0f}; "
+                  f"{'kept' if better >= TIMES_BETTER else 'missed'}) and {apart:.1%} from `fbf` (asked: "
+                  f"{NEAR_FBF:.0%}; {'kept' if apart <= NEAR_FBF else 'missed'})."]  # fmt: skip
+    return "\n".join(lines)
+
+
+def put(page: str, tables: str) -> str:
+    """The page with new tables between its two marks. Raises ValueError where a mark is missing."""
+    before, _, rest = page.partition(BEGIN)
+    _, mark, after = rest.partition(END)
+    if not mark:
+        raise ValueError(f"{PAGE}: needs the lines {BEGIN} and {END}")
+    return f"{before}{BEGIN}\n{tables}\n{END}{after}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--write", action="store_true", help=f"put the tables into {PAGE.relative_to(ROOT)}")
+    parser.add_argument("--segments", type=float, help="segments per second, instead of each profile's")
+    wanted = parser.parse_args()
+    text, printers = PART.read_bytes(), bundled()
+    tables = "\n\n".join(table(text, printers[name], wanted.segments) for name in PRINTERS)
+    print(tables)
+    if wanted.write:
+        PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), tables), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,125 @@
+"""From commands to segments: nodes, words, and speeds under which the firmware keeps time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fbfcli.errors import LimitError
+from fbfcli.gcode.placement import Places, forced, segment_of
+from fbfcli.gcode.raised import raised
+from fbfcli.gcode.words import SCALE
+from fbfcli.gcode.write import Modes, Words, feed_of, speed_of, words_of
+from fbfcli.motion.moves import Moves
+from fbfcli.motion.nodes import Budget, break_points, fit, thinned
+from fbfcli.motion.planner import Part
+from fbfcli.motion.profile import Profile
+from fbfcli.motion.stretches import kinks
+from fbfcli.motion.timing import timed
+from fbfcli.pipeline.commander import Batch
+from fbfcli.printer import Limits
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Segments between the nodes of a batch, k of them with the gaps between stretches, r without.
+
+    node   : ndarray of int, shape (k + 1,)   samples
+    words  : Words                            of all k
+    modes  : Modes                            in force for each of the k
+    feed   : ndarray of int64, shape (k,)     F words, 0 for a gap
+    first  : ndarray of int, shape (s,)       segment (of k) that begins each stretch
+    moves  : Moves                            the r real ones as the firmware reads them
+    wanted : ndarray, shape (r,)              time each should last [s]
+    done   : Profile                          what the planner model makes of them
+    """
+
+    node: np.ndarray
+    words: Words
+    modes: Modes
+    feed: np.ndarray
+    first: np.ndarray
+    moves: Moves
+    wanted: np.ndarray
+    done: Profile
+
+    @property
+    def elapsed(self) -> np.ndarray:
+        """Time of the segments before each node [s], shape (k + 1,)."""
+        duration = np.zeros(len(self.words.real))
+        duration[self.words.real] = self.done.duration
+        return np.concatenate([[0.0], np.cumsum(duration)])
+
+
+class Segmenter:
+    """Cuts the commands of one file into segments, batch by batch."""
+
+    def __init__(self, firmware: str, budget: Budget, dt: float):
+        self._firmware, self._budget, self.dt = firmware, budget, dt
+        self._late = 0.0  # clock error, made good by the next segments [s]
+
+    def segments(self, batch: Batch, part: Part, places: Places, before: Modes, bases: list[Limits]) -> Segments:
+        """Segments of a batch.
+
+        places : of the lines written with it
+        before : modes (one place) in force before the first of these lines
+        bases  : the file's limits, one per stretch, that were raised when its run began
+        """
+        n = len(batch.command)
+        ends = np.column_stack([batch.begin, batch.end]).ravel()
+        node = break_points(
+            batch.command, ends, self._needed(batch, part, places), self.dt, self._budget
+        )  # first and last sample are ends
+        is_end = np.zeros(n, dtype=bool)
+        is_end[ends] = True
+        pinned = is_end[node]
+        position = np.column_stack([fit(batch.command, node, pinned), batch.desired[node, 2:]])
+        if not np.isfinite(position).all():
+            raise LimitError("a compensated position is not finite")
+        first = np.searchsorted(node, batch.begin)
+        real = np.ones(len(node) - 1, dtype=bool)
+        real[first[1:] - 1] = False
+        rows = before.then(places.lines.modes(places.e_machine))
+        at = segment_of(places.sample, node)
+        modes = rows[np.searchsorted(at, np.arange(len(real)), side="right")]
+        words = words_of(position, modes, real, ~pinned)
+        return self._timed(node, words, modes, first, batch, bases)
+
+    def _needed(self, batch: Batch, part: Part, places: Places) -> np.ndarray:
+        """Samples that must be nodes: E or Z changes its speed, or a line wants its time."""
+        last = len(batch.command) - 1
+        bends = kinks(part.moves, part.profile, batch.grid)
+        wanted = np.concatenate([bends[(bends > 0) & (bends < last)], forced(places, 0, last)])
+        return thinned(np.sort(wanted), self.dt, self._budget)
+
+    def _timed(
+        self, node: np.ndarray, words: Words, modes: Modes, first: np.ndarray, batch: Batch, bases: list[Limits]
+    ) -> Segments:
+        here = np.flatnonzero(words.real)
+        unit, factor = words.unit[here], modes.speed_factor[here]
+        stop = np.zeros(len(words.real), dtype=bool)
+        stop[first[1 if batch.begun else 0 :]] = True
+        limits = tuple(dict.fromkeys(bases))
+        stretch = np.searchsorted(first, here, side="right") - 1
+        moves = Moves(
+            start=words.begin[here] * (unit[:, None] / SCALE) + modes.offset[here],
+            delta=words.delta[here],
+            speed=np.ones(len(here)),
+            stop=stop[here],
+            state=np.array([limits.index(base) for base in bases])[stretch],
+            line=np.zeros(len(here), dtype=np.int64),
+            limits=tuple(raised(self._firmware, base) for base in limits),
+        )
+        wanted = np.diff(node)[here] * self.dt
+
+        def quantise(speed: np.ndarray) -> np.ndarray:
+            return speed_of(feed_of(speed, unit, factor), unit, factor)
+
+        moves, done = timed(
+            moves, wanted, self._late, self._firmware, quantise, batch.begun, batch.grid.open_last
+        )
+        self._late += float(done.duration.sum() - wanted.sum())
+        feed = np.zeros(len(words.real), dtype=np.int64)
+        feed[here] = feed_of(moves.speed, unit, factor)
+        return Segments(node, words, modes, feed, first, moves, wanted, done)

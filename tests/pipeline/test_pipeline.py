@@ -1,0 +1,258 @@
+"""Laws of a whole compensated file: nothing lost, nothing moved, limits put back, however the text arrives."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from print_cases import RIGID, START, compensated, end_of, print_time, printer, prints, random_print, read
+
+from fbfcli.errors import GcodeError
+from fbfcli.gcode.dialects import Kind
+from fbfcli.motion import planner
+from fbfcli.motion.timing import executed
+from fbfcli.pipeline import Settings
+from fbfcli.printer import FIRMWARES
+
+DEFERRED = b"; fbf: "
+POSITION_MM = 2e-5  # two words rounded to five decimals
+each_firmware = pytest.mark.parametrize("firmware", FIRMWARES)
+few = settings(max_examples=25)
+LPFBS, ZV, NONE = (Settings(method=name, patch_times=False) for name in ("lpfbs", "zv", "none"))
+DRAWN = ("print", "print", "arc", "travel", "wipe")
+# the kinds after which a slicer's file leads to the same place whatever was done in between
+STREAMED = ("print", "print", "print", "travel", "fan", "limits", "reset", "feed", "wipe", "spiral", "absolute_e", "relative_e")
+
+
+def bare(line: bytes) -> bytes:
+    return line.strip().removeprefix(DEFERRED)
+
+
+def kept_lines(text: bytes, machine) -> list[bytes]:
+    """Every line of a file that is no motion; of G92 E only that it is one: its number follows the machine."""
+    kinds = read(text, machine).kind
+    lines = [bare(line) for line, kind in zip(text.splitlines(), kinds, strict=True) if kind != Kind.MOTION]
+    return [re.sub(rb"^G92 E.*", b"G92 E", line) for line in lines]
+
+
+def in_order(wanted: list[bytes], found: list[bytes]) -> bytes | None:
+    """The first of `wanted` that does not follow those before it in `found`."""
+    rest = iter(found)
+    return next((line for line in wanted if not any(line == other for other in rest)), None)
+
+
+def followed(written, t: np.ndarray) -> np.ndarray:
+    """Where the firmware has the tool after t seconds of a written file, shape (k, 4), corners joined linearly."""
+    moves = written.block().moves
+    ends = np.concatenate([[0.0], np.cumsum(executed(moves, written.printer.firmware).duration)])
+    place = np.vstack([moves.start[:1], moves.start + moves.delta])
+    return np.column_stack([np.interp(t, ends, place[:, axis]) for axis in range(4)])
+
+
+@each_firmware
+@few
+@given(st.data())
+def test_every_line_without_motion_is_written_once_and_in_its_order(firmware, data):
+    written = compensated(data.draw(prints(firmware)), printer(firmware), ZV)
+    wanted = kept_lines(written.source, written.printer)
+    found = [re.sub(rb"^G92 E.*", b"G92 E", bare(line)) for line in written.lines]
+    assert in_order(wanted, found) is None
+    for line in set(wanted) - {b""}:
+        extra = line.startswith((b"M20", b"M566", b"SET_VELOCITY_LIMIT"))  # these are also put in front of and after runs
+        assert extra or found.count(line) == wanted.count(line)
+
+
+@each_firmware
+@few
+@given(st.data(), st.sampled_from((LPFBS, ZV, NONE)))
+def test_the_file_ends_where_it_did_with_as_much_pushed(firmware, data, how):
+    written = compensated(data.draw(prints(firmware)), printer(firmware), how)
+    before, after = read(written.source, written.printer), written.block()
+    np.testing.assert_allclose(end_of(after.moves), end_of(before.moves), atol=POSITION_MM)
+    np.testing.assert_allclose(after.e_logical[-1], before.e_logical[-1], atol=POSITION_MM)
+    np.testing.assert_allclose(after.offset[-1], before.offset[-1], atol=POSITION_MM)
+
+
+@each_firmware
+@few
+@given(st.data(), st.sampled_from((LPFBS, ZV)))
+def test_limits_at_every_barrier_and_at_the_end_are_the_files_own(firmware, data, how):
+    written = compensated(data.draw(prints(firmware)), printer(firmware), how)
+    sets = []
+    for text in (written.source, written.text):
+        block = read(text, written.printer)
+        at = [i for i in np.flatnonzero(block.kind == Kind.BARRIER) if not re.match(rb"M593|SET_INPUT", block.lines.raw(i))]
+        sets.append([block.moves.limits[block.state[i]] for i in [*at, -1]])
+    assert sets[0] == sets[1]
+
+
+@each_firmware
+@few
+@given(st.data())
+def test_no_limit_line_acts_while_limits_are_raised(firmware, data):
+    """What the file says of limits inside a run waits as a comment: every set in force is the file's or a raised one."""
+    kinds = ("print", "print", "travel", "limits", "limits", "fan", "retract", "wait")
+    written = compensated(data.draw(prints(firmware, kinds)), printer(firmware), LPFBS)
+    moves = written.block().moves
+    flat = (moves.delta[:, :2] != 0.0).any(axis=1) & (moves.line > written.lines.index(b"G1 X100 Y100 F6000"))
+    verbatim = {bare(line) for line in written.source.splitlines()}
+    segments = np.flatnonzero(flat & [written.lines[i] not in verbatim for i in moves.line])
+    acceleration = moves.limit("acceleration")[segments]
+    assert not len(acceleration) or acceleration.min() >= 1e6
+
+
+@each_firmware
+@few
+@given(st.data(), st.integers(1, 400))
+def test_the_output_does_not_depend_on_how_the_text_arrives(firmware, data, size):
+    text = data.draw(prints(firmware, STREAMED))
+    whole = compensated(text, printer(firmware), LPFBS)
+    pieces = compensated(text, printer(firmware), LPFBS, size=size)
+    assert kept_lines(whole.text, whole.printer) == kept_lines(pieces.text, whole.printer)
+    assert pieces.done.time == pytest.approx(whole.done.time, abs=5e-3)
+    t = np.arange(0.0, whole.done.time, 0.01)
+    np.testing.assert_allclose(followed(pieces, t), followed(whole, t), atol=0.05)
+
+
+@each_firmware
+@pytest.mark.parametrize("how", (LPFBS, ZV, NONE), ids=lambda how: how.method)
+def test_a_stretch_in_parts_is_the_stretch_in_one_piece(monkeypatch, firmware, how):
+    text = random_print(5, 60, firmware, ("print", "wipe", "fan"))
+    whole = compensated(text, printer(firmware), how)
+    monkeypatch.setattr(planner, "PART_S", 0.4)
+    parts = compensated(text, printer(firmware), how)
+    assert kept_lines(whole.text, whole.printer) == kept_lines(parts.text, whole.printer)
+    assert parts.done.time == pytest.approx(whole.done.time, abs=2e-3)
+    t = np.arange(0.0, whole.done.time, 0.005)
+    np.testing.assert_allclose(followed(parts, t), followed(whole, t), atol=0.05)
+    for name in ("follow_error", "contour_before", "contour_after"):
+        a, b = (getattr(one.done.summary, name).rms for one in (whole, parts))
+        assert b == pytest.approx(a, rel=0.1, abs=0.5)
+
+
+@each_firmware
+@few
+@given(st.data(), st.sampled_from((LPFBS, ZV, NONE)))
+def test_the_time_told_is_the_time_the_firmware_takes(firmware, data, how):
+    """Within 2 % and never more: a planner does not halt between a stretch and a lift or a retraction."""
+    written = compensated(data.draw(prints(firmware, ("print", "print", "travel", "fan", "retract", "limits", "lift", "wait"))),
+                          printer(firmware), how)  # fmt: skip
+    assert written.done.summary.time == pytest.approx(print_time(written.text, written.printer), rel=0.02, abs=2e-3)
+    assert written.done.summary.time_as_sliced == pytest.approx(print_time(written.source, written.printer), rel=1e-9)
+
+
+@each_firmware
+@few
+@given(st.data())
+def test_written_segments_keep_the_clock(firmware, data):
+    """Planned travel and print moves, E within its limits: 50 ppm, or 50 us of a short print."""
+    kinds = ("travel", "fan", "print")
+    summary = compensated(data.draw(prints(firmware, kinds)), printer(firmware), LPFBS).done.summary
+    assert abs(summary.clock_drift_ppm) < 50.0 + 50.0 / max(summary.time, 1e-3)
+    assert summary.follow_error.max < (400.0 if firmware == "marlin" else 40.0)  # Marlin drops short segments
+
+
+@each_firmware
+@few
+@given(st.data())
+def test_a_rigid_machine_uncompensated_has_no_error_of_its_own(firmware, data):
+    machine = printer(firmware, RIGID)
+    summary = compensated(data.draw(prints(firmware, DRAWN)), machine, NONE).done.summary
+    assert summary.contour_before.max < 1e-3
+    assert summary.contour_after.max <= summary.follow_error.max + 1e-6
+
+
+@each_firmware
+@few
+@given(st.data())
+def test_relative_and_absolute_words_lead_along_the_same_path(firmware, data):
+    """The same motion asked for in G90, G91, M82 and M83."""
+    text = data.draw(prints(firmware, DRAWN[:2]))
+    moves = read(text, printer(firmware)).moves
+    texts = []
+    for xy_relative in (False, True):
+        for e_relative in (True, False):
+            lines, e = [START + ("G91" if xy_relative else "G90"), "M83" if e_relative or xy_relative else "M82\nG92 E0"], 0.0
+            for start, delta, speed in zip(moves.start[2:], moves.delta[2:], moves.speed[2:], strict=True):
+                xy = np.round(delta[:2], 3) if xy_relative else np.round(start + delta, 3)[:2]
+                e = round(e + round(delta[3], 5), 5)
+                pushed = round(delta[3], 5) if e_relative or xy_relative else e
+                lines.append(f"G1 X{xy[0]:.3f} Y{xy[1]:.3f} E{pushed:.5f} F{60 * speed:.3f}")
+            texts.append("\n".join(lines) + "\n")
+    written = [compensated(text, printer(firmware), LPFBS) for text in texts]
+    t = np.arange(0.0, written[0].done.time, 0.005)
+    first = followed(written[0], t)
+    for other in written[1:]:
+        np.testing.assert_allclose(followed(other, t), first, atol=0.05)
+        np.testing.assert_allclose(end_of(other.block().moves)[:3], end_of(written[0].block().moves)[:3], atol=2e-3)
+
+
+@pytest.mark.parametrize("firmware", ("klipper", "reprapfirmware"))
+def test_a_slowed_stretch_takes_the_same_path(firmware):
+    text = START + "G1 X140 Y100 E1 F9000\nG1 X140 Y140 E1\nG1 X100 Y100 E1\n"
+    fast, slow = (compensated(text, printer(firmware, command_acceleration=a), ZV) for a in (30_000.0, 2_500.0))
+    assert fast.done.summary.slowed == 0 and slow.done.summary.slowed == 1 and slow.done.summary.slowest > 1.0
+    assert slow.done.time > fast.done.time
+    corners = np.array([[100, 100], [140, 100], [140, 140], [100, 100]], float)
+    moves = slow.block().moves
+    for point in (moves.start + moves.delta)[2:, :2]:
+        assert min(_to_segment(point, a, b) for a, b in zip(corners[:-1], corners[1:], strict=True)) < 0.6
+    np.testing.assert_allclose(end_of(moves), end_of(fast.block().moves), atol=POSITION_MM)
+
+
+def _to_segment(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> float:
+    s = np.clip((p - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
+    return float(np.hypot(*(p - a - s * (b - a))))
+
+
+@each_firmware
+@few
+@given(st.data(), st.sampled_from((LPFBS, ZV, NONE)))
+def test_no_segment_is_without_length(firmware, data, how):
+    written = compensated(data.draw(prints(firmware, (*DRAWN, "relative", "wait", "limits"))), printer(firmware), how)
+    block = written.block()
+    given_lines = {bare(line) for line in written.source.splitlines()}
+    moving = set(block.moves.line.tolist())
+    for i in np.flatnonzero((block.kind == Kind.MOTION) & ~np.isnan(block.lines.words["X"])):
+        raw = bare(block.lines.raw(i))
+        assert i in moving or raw in given_lines or raw.split(b" F")[0] in {line.split(b" F")[0] for line in given_lines}
+
+
+@each_firmware
+def test_moves_of_z_and_e_alone_pass_as_they_were_written(firmware):
+    text = START + "G1 X120 Y100 E1 F3000\nG1 E-0.8 F2100\nG1 Z0.7 F900\nG1 X100 Y100 F9000\nG1 Z0.3\nG1 E0.8 F2100\nG1 X110 E1 F3000\n"
+    lines = compensated(text, printer(firmware), LPFBS).lines
+    assert in_order([b"G1 E-0.8 F2100", b"G1 Z0.7 F900", b"G1 Z0.3", b"G1 E0.8 F2100"], lines) is None
+    before = lines[lines.index(b"G1 Z0.3") - 1]
+    assert before == b"G1 F9000", "its F is put back"
+
+
+@each_firmware
+def test_a_file_without_motion_is_its_text_and_the_stamp(firmware):
+    text = b"; generated by a test\nM104 S200\nM117 Hello\nG4 P100\nG28\nM84"
+    written = compensated(text, printer(firmware), LPFBS)
+    lines = written.lines
+    assert lines[1].startswith(b"; fbf ")
+    assert [lines[0], *lines[2:]] == text.splitlines() and written.text.endswith(b"\n")
+    assert written.done.summary.segments == 0 and written.done.time == pytest.approx(0.1)
+
+
+def test_an_empty_file_is_refused():
+    with pytest.raises(GcodeError, match="empty"):
+        compensated(b"")
+
+
+@each_firmware
+def test_time_lines_tell_the_time_of_the_written_file(firmware):
+    text = "; generated by a test\n;TIME:99\nM73 P0 R9\n" + START + "G1 X120 Y100 E1 F600\nM73 P50 R5\nG1 X100 Y100 E1 F300\nM400\nM73 P100 R0\n"
+    written = compensated(text, printer(firmware), Settings(method="lpfbs"))
+    total = written.done.time
+    lines = [line.rstrip() for line in written.lines]
+    assert b";TIME:%d" % round(total) in lines
+    told = [line for line in lines if line.startswith(b"M73")]
+    assert [line.split()[1] for line in told] == [b"P0", told[1].split()[1], b"P100"]
+    half = print_time("\n".join(text.splitlines()[:9]), printer(firmware))
+    assert int(told[1].split()[1][1:]) == pytest.approx(100 * half / total, abs=2.0)
+    plain = compensated(text, printer(firmware), LPFBS)
+    assert plain.done.time == total and b"M73 P50 R5" in plain.lines
