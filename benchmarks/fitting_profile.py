@@ -16,7 +16,8 @@ from fbfcli.printer import Printer
 
 BASE = "taz6"
 WIDE = 500.0  # mm either side of zero
-_KLIPPER = re.compile(rb"^(?:SET_VELOCITY_LIMIT|SET_PRESSURE_ADVANCE|EXCLUDE_OBJECT|START_PRINT|; gcode_flavor = klipper)", re.MULTILINE)
+_KLIPPER = re.compile(
+    rb"^(?:SET_(?:VELOCITY_LIMIT|PRESSURE_ADVANCE)|EXCLUDE_OBJECT|START_PRINT|; gcode_flavor = klipper)", re.MULTILINE)
 _REPRAP = re.compile(rb"^(?:M566 |; gcode_flavor = reprapfirmware|;FLAVOR:RepRap)", re.MULTILINE)
 
 

@@ -6,14 +6,15 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import click
 
-from fbfcli.cli.files import DASH, reading, replacing, saying
-from fbfcli.cli.lookup import find_printer
-from fbfcli.errors import FbfError, GcodeError, LimitError
+from fbfcli.cli.files import DASH, is_stream, reading, replacing, saying, streaming
+from fbfcli.cli.lookup import find_file, read_printer
+from fbfcli.errors import FbfError, GcodeError, LimitError, ModelError
 
 if TYPE_CHECKING:
     from fbfcli.pipeline import Done, Settings
@@ -41,7 +42,15 @@ OPTION_NAMES = (
 UM_PER_MM = 1e3
 MS_PER_S = 1e3
 
-Write = Callable[[bytes], object]
+
+class Number(click.FloatRange):
+    """A finite number in a range: click's own lets nan and inf through."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if not isfinite(number):
+            self.fail(f"{value!r} is not a finite number.", param, ctx)
+        return number
 
 
 @click.command(no_args_is_help=False)
@@ -66,19 +75,19 @@ Write = Callable[[bytes], object]
 )
 @click.option(
     "--accel",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Number(min=0, min_open=True),
     metavar="MM/S2",
     help="Plan with this acceleration instead of the file's.",
 )
 @click.option(
     "--velocity",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Number(min=0, min_open=True),
     metavar="MM/S",
     help="Plan with this speed limit instead of the file's.",
 )
 @click.option(
     "--tolerance",
-    type=click.FloatRange(0.1, 1000),
+    type=Number(0.1, 1000),
     default=5.0,
     show_default=True,
     metavar="UM",
@@ -86,15 +95,13 @@ Write = Callable[[bytes], object]
 )
 @click.option(
     "--segments",
-    type=click.FloatRange(min=10),
+    type=Number(min=10),
     metavar="PER_S",
     help="Segments per second the firmware takes. [default: the profile's]",
 )
 @click.option("--knots", type=click.IntRange(1, 200), metavar="MS", help="lpfbs, fbf: spacing of the spline's knots.")
 @click.option("--degree", type=click.IntRange(2, 9), metavar="M", help="lpfbs, fbf: degree of the spline.")
-@click.option(
-    "--mu", type=click.FloatRange(min=0), metavar="WEIGHT", help="lpfbs, fbf: weight on the command's curvature."
-)
+@click.option("--mu", type=Number(min=0), metavar="WEIGHT", help="lpfbs, fbf: weight on the command's curvature.")
 @click.option("--preview", type=click.IntRange(10, 5000), metavar="MS", help="lpfbs: how far the method looks ahead.")
 @click.option("--fir", type=click.IntRange(10, 20000), metavar="MS", help="lpfbs, fbf: length of the impulse response.")
 @click.option(
@@ -136,13 +143,13 @@ def compensate(
     """
     with _logged(log_to):
         target = _target(file, output, in_place, dry_run, json_to)
-        settings = _settings(how, patch_times=target not in (None, DASH))
+        settings = _settings(how, patch_times=target is not None and not is_stream(target))
         done = _compensate(file, target, printer, settings, force, quiet)
         if not quiet:
             click.echo(done.summary.text(), err=True)
         if json_to:
-            with saying(json_to) as stream:
-                stream.write(json.dumps(done.summary.as_dict(), indent=2) + "\n")
+            with saying(json_to) as say:
+                say(json.dumps(done.summary.as_dict(), indent=2) + "\n")
         if log_to:
             _log(log_to, f"{file}: {done.summary.text()}")
 
@@ -158,6 +165,9 @@ def _target(file: str, output: str | None, in_place: bool, dry_run: bool, json_t
         return None
     if target == DASH and json_to == DASH:
         raise click.UsageError("the G-code and --json both go to standard output: give one of them a file")
+    for name in (target, json_to):
+        if name and not Path(name).absolute().parent.is_dir():
+            raise FbfError(f"{name}: there is no folder {Path(name).parent}")
     return target
 
 
@@ -194,42 +204,64 @@ def _settings(how: dict[str, Any], patch_times: bool) -> Settings:
 def _compensate(
     file: str, target: str | None, printer: str | None, settings: Settings, force: bool, quiet: bool
 ) -> Done:
-    """Read, compensate and write; the output appears when all of it is there."""
+    """Read, compensate and write; a file appears when all of it is there."""
     from fbfcli.gcode.scan import chunks
     from fbfcli.gcode.stamp import HEAD_BYTES, is_stamped
     from fbfcli.pipeline import compensate as run
 
-    profile = find_printer(printer)
-    with reading(file) as source, _progress(file, quiet) as progress:
+    profile = find_file(printer)
+    machine = read_printer(profile)
+    with reading(file) as source, _progress(file, quiet) as progress, _named(file, str(profile)):
         texts = chunks(source)
-        try:
-            first = next(texts, b"")
-        except GcodeError as error:
-            raise error.at(file) from None
+        first = next(texts, b"")
         if is_stamped(first[:HEAD_BYTES]) and not force:
             raise FbfError(
-                f"{file}: is compensated already; a second pass would shake the print (--force does it all the same)"
+                f"{file}: is compensated already; a second pass would shake the print (--force if it must be)"
             )
+        with _writing(target) as write:
+            done = run(_again(first, texts), machine, settings, write.text, progress)
+            write.fill_in(done)
+        return done
 
-        def work(write: Write) -> Done:
-            try:
-                return run(_again(first, texts), profile, settings, write, progress)
-            except GcodeError as error:
-                raise error.at(file) from None
-            except LimitError as error:
-                raise LimitError(f"{file}: {error}") from None
 
-        if target is None:
-            return work(lambda text: None)
-        if target == DASH:
-            return work(sys.stdout.buffer.write)
-        path = Path(target)
-        with replacing(path, like=path if path.exists() else None) as stream:
-            done = work(stream.write)
+class _Writer:
+    """Takes the new text; `stream` is None for a dry run."""
+
+    def __init__(self, stream: BinaryIO | None):
+        self._stream = stream
+
+    def text(self, text: bytes) -> None:
+        if self._stream:
+            self._stream.write(text)
+
+    def fill_in(self, done: Done) -> None:
+        """Put the print's times where they were left open."""
+        if self._stream:
             for patch in done.patches:
-                stream.seek(patch.offset)
-                stream.write(patch.line.padded(patch.elapsed, done.time))
-            return done
+                self._stream.seek(patch.offset)
+                self._stream.write(patch.line.padded(patch.elapsed, done.time))
+
+
+@contextmanager
+def _writing(target: str | None) -> Iterator[_Writer]:
+    if target is None:
+        yield _Writer(None)
+        return
+    with streaming(target) if is_stream(target) else replacing(target) as stream:
+        yield _Writer(stream)
+
+
+@contextmanager
+def _named(file: str, profile: str) -> Iterator[None]:
+    """Errors get the name of the file they are about."""
+    try:
+        yield
+    except GcodeError as error:
+        raise error.at(file) from None
+    except LimitError as error:
+        raise LimitError(f"{file}: {error}") from None
+    except ModelError as error:
+        raise ModelError(f"{profile}: {error}") from None
 
 
 def _again(first: bytes, rest: Iterator[bytes]) -> Iterator[bytes]:
@@ -253,7 +285,7 @@ def _logged(log_to: str | None) -> Iterator[None]:
     """Errors go to the log too."""
     try:
         yield
-    except FbfError as error:
+    except (FbfError, OSError) as error:
         if log_to:
             _log(log_to, f"error: {error}")
         raise

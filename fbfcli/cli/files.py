@@ -6,10 +6,10 @@ import os
 import stat
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO, TextIO
+from typing import BinaryIO
 
 from fbfcli.errors import FbfError
 
@@ -30,24 +30,45 @@ def reading(name: str) -> Iterator[BinaryIO]:
         yield stream
 
 
-@contextmanager
-def replacing(path: Path, like: Path | None = None) -> Iterator[BinaryIO]:
-    """A new file beside `path` that takes its place when all has gone well; otherwise `path` stays as it was.
+def is_stream(name: str) -> bool:
+    """Standard output, a pipe or a device: text goes there as it comes, nothing can be put right afterwards."""
+    path = Path(name)
+    return name == DASH or (path.exists() and not path.is_file() and not path.is_dir())
 
-    like : its permissions are kept (`path` itself for a change in place)
-    """
-    target = Path(os.path.realpath(path))  # through a link, the file is changed and the link stays
-    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".tmp", dir=target.parent)
+
+@contextmanager
+def streaming(name: str) -> Iterator[BinaryIO]:
+    """What `is_stream`, to be written."""
+    if name == DASH:
+        yield sys.stdout.buffer
+        return
+    with Path(name).open("wb") as stream:
+        yield stream
+
+
+@contextmanager
+def replacing(name: str) -> Iterator[BinaryIO]:
+    """A new file that takes the place of the one called `name` when all has gone well; else that stays as it was."""
+    target = Path(os.path.realpath(name))  # through a link, the file is changed and the link stays
+    if target.is_dir():
+        raise FbfError(f"{name}: is a directory")
+    mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else NEW_FILE & ~_umask()
+    try:
+        handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".tmp", dir=target.parent)
+    except OSError as error:
+        raise FbfError(f"{name}: cannot be written: {error.strerror}") from None
     try:
         with os.fdopen(handle, "w+b") as stream:
             yield stream
             stream.flush()
             os.fsync(stream.fileno())
-        os.chmod(name, stat.S_IMODE(like.stat().st_mode) if like else NEW_FILE & ~_umask())
-        os.replace(name, target)
-    except BaseException:
+        os.chmod(temporary, mode)
+        os.replace(temporary, target)
+    except BaseException as error:
         with suppress(OSError):
-            os.unlink(name)
+            os.unlink(temporary)
+        if isinstance(error, OSError) and error.filename in (None, temporary):
+            raise FbfError(f"{name}: cannot be written: {error.strerror}; it stays as it was") from None
         raise
 
 
@@ -58,15 +79,7 @@ def _umask() -> int:
 
 
 @contextmanager
-def saying(name: str) -> Iterator[TextIO]:
-    """A text file to write, or standard output."""
-    if name == DASH:
-        yield sys.stdout
-        return
-    with replacing(Path(name)) as raw:
-        import io
-
-        text = io.TextIOWrapper(raw, encoding="utf-8", write_through=True)
-        yield text
-        text.flush()
-        text.detach()
+def saying(name: str) -> Iterator[Callable[[str], object]]:
+    """Writes text to a file, or to what `is_stream`."""
+    with streaming(name) if is_stream(name) else replacing(name) as stream:
+        yield lambda text: stream.write(text.encode())

@@ -46,8 +46,10 @@ def find_file(value: str | None) -> Path:
     if not value:
         if own_file().is_file():
             return own_file()
-        raise ProfileError("no printer: give one with -p NAME or -p FILE (`fbf printers` lists names), "
-                           f"set {VARIABLE}, or write {own_file()}")
+        raise ProfileError(
+            "no printer: give one with -p NAME or -p FILE (`fbf printers` lists names), "
+            f"set {VARIABLE}, or write {own_file()}"
+        )
     names = bundled_files()
     if value in names and not Path(value).is_file():
         return names[value]
@@ -56,8 +58,10 @@ def find_file(value: str | None) -> Path:
     if value.endswith(".toml") or os.sep in value:
         raise ProfileError(f"{value}: no such printer profile (`fbf printers` lists the bundled ones)")
     near = get_close_matches(value, names, n=1)
-    raise ProfileError(f"no printer {value!r}: {f'did you mean {near[0]}? ' if near else ''}"
-                       f"Bundled are {', '.join(names)}; a profile of your own is named by its file")
+    raise ProfileError(
+        f"no printer {value!r}: {f'did you mean {near[0]}? ' if near else ''}"
+        f"Bundled are {', '.join(names)}; a profile of your own is named by its file"
+    )
 
 
 def read_printer(path: Path) -> Printer:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -20,6 +21,7 @@ VERBS = {  # module and command in fbfcli.cli, and its help in one line: numpy i
 COMPLETE = "_FBF_COMPLETE"  # what click's completion scripts set
 INTERRUPTED = 130  # 128 + SIGINT
 BROKEN_PIPE = 141  # 128 + SIGPIPE
+TERMINATED = 143  # 128 + SIGTERM
 
 
 class Verbs(click.Group):
@@ -54,8 +56,17 @@ def fbf() -> None:
     """
 
 
+class Terminated(BaseException):
+    """SIGTERM, as an exception: what is half done is cleaned up."""
+
+
+def _terminate(number: int, frame: object) -> None:
+    raise Terminated
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run `fbf` and leave with its exit code: 0, 1 for an error, 2 for a wrong command line, 130 where interrupted."""
+    signal.signal(signal.SIGTERM, _terminate)
     sys.exit(run(sys.argv[1:] if arguments is None else arguments))
 
 
@@ -79,6 +90,8 @@ def run(arguments: Sequence[str]) -> int:
         return _leave(f"error: {error}", error.exit_code)
     except (KeyboardInterrupt, click.Abort):
         return _leave("interrupted", INTERRUPTED)
+    except Terminated:
+        return _leave("terminated", TERMINATED)
     except BrokenPipeError:
         return _leave("", BROKEN_PIPE)
     except MemoryError:

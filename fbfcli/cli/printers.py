@@ -90,13 +90,19 @@ def _row(name: str, file: Path) -> Row:
 
 def _modes(row: Row) -> str:
     """Frequencies of each axis, for people."""
-    return ", ".join(f"{axis} {' + '.join(f'{frequency:.1f}' for frequency, _ in found) or '-'} Hz"
-                     for axis, found in row.modes.items()) or "no model"
+    return (
+        ", ".join(
+            f"{axis} {' + '.join(f'{frequency:.1f}' for frequency, _ in found) or '-'} Hz"
+            for axis, found in row.modes.items()
+        )
+        or "no model"
+    )
 
 
 def _listing(rows: list[Row]) -> str:
     table = [("name", "firmware", "kinematics", "modes", "source")]
     table += [(row.name, row.firmware, row.kinematics, _modes(row), row.source) for row in rows]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-                     for line in table)
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip() for line in table
+    )

@@ -45,12 +45,16 @@ class Compensator(Protocol):
         """A stretch whose command rests at y_0, shape (axes,) [mm], before it."""
         ...
 
+    def resume(self, stream: Stream) -> Stream:
+        """A stretch that this compensator, or a stiffer or softer one, has begun; `stream` stays as it is."""
+        ...
+
     def stiffer(self) -> Compensator | None:
         """The same with ten times the weight on the command's curvature; None where there is none to raise."""
         ...
 
 
-AT_REST = 4  # samples held at least: the first and last segment of a stretch are slow, and so is the corner to what is next
+AT_REST = 4  # samples held at least: then the first and last segments are slow, and the corners to what is next too
 
 
 class Uncompensated:
@@ -63,6 +67,10 @@ class Uncompensated:
     def start(self, y_0: np.ndarray) -> Uncompensated:
         """The stretch needs no memory: the compensator is its own stream."""
         return self
+
+    def resume(self, stream: Stream) -> Stream:
+        """Without memory there is nothing to copy."""
+        return stream
 
     def stiffer(self) -> None:
         """There is no weight to raise."""

@@ -31,8 +31,8 @@ from fbfcli.errors import ModelError
 METHODS = ("none", *MAX_DAMPING, "lpfbs", "fbf")
 OPTIONS = ("degree", "L", "mu", "preview", "n_C", "n_up", "lead", "tail", "frequency", "damping")
 DEGREE = 5
-KNOT_S = (0.004, 0.006)  # knots at 0.3 / f_max, no closer than finer knots pay, no wider than a short hold allows
-RHO = 0.1  # curvature weight: u'' of (w_n)^2 times a displacement costs a tenth of that displacement as error
+KNOT_S = (0.004, 0.004)
+RHO = 0.05  # curvature weight: u'' of (w_n)^2 times a displacement costs a twentieth of that displacement as error
 PREVIEW_S = 0.25  # of LPFBS at least: 10 / ln|z| at 1 ms for the TAZ 6's zeros z outside the unit circle
 LONGER = 1.5  # and this much longer as often as its recursion is not stable enough
 ATTEMPTS = 6

@@ -9,13 +9,14 @@ half periods instead); the mean delay sum(A T) is taken out as in klippy/chelper
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from math import exp, pi, sqrt
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from fbfcli.control.compensator import AT_REST
+from fbfcli.control.compensator import AT_REST, Stream
 from fbfcli.errors import ModelError
 
 V_TOL = 0.05  # vibration an EI shaper leaves at its design frequency
@@ -94,6 +95,10 @@ class Shaper:
     def start(self, y_0: np.ndarray) -> ShaperStream:
         """A stretch that rests at y_0, shape (axes,) [mm], before it."""
         return ShaperStream(self, np.array(y_0, float))
+
+    def resume(self, stream: Stream) -> Stream:
+        """A copy of a stretch, from where it is."""
+        return copy(stream)
 
     def stiffer(self) -> None:
         """A shaper has no weight to raise: its command is never rougher than its input."""

@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from fbfcli.control.basis import Basis
+from fbfcli.control.compensator import Stream
 
 
 class AxisSolver(Protocol):
@@ -64,6 +65,12 @@ class SplineCompensator:
         """A stretch that rests at y_0, shape (axes,) [mm], before it."""
         return SplineStream(self, np.array(y_0, float))
 
+    def resume(self, stream: Stream) -> SplineStream:
+        """The same stretch from where it is, with this weight; both designs have the same basis and plant."""
+        if not isinstance(stream, SplineStream):
+            raise TypeError("another method's stretch")
+        return stream.under(self)
+
     def stiffer(self) -> SplineCompensator | None:
         """The same with ten times the weight on the command's curvature."""
         return self.harder() if self.harder else None
@@ -77,6 +84,12 @@ class SplineStream:
         self._y = np.zeros((len(y_0), 0))
         self._past = [np.zeros(max(solver.reach, design.basis.m)) for solver in design.solvers]
         self._end = self._y_0  # the last desired position so far
+
+    def under(self, design: SplineCompensator) -> SplineStream:
+        """A copy that goes on with another design."""
+        copy = SplineStream(design, self._y_0)
+        copy._y, copy._past, copy._end = self._y, list(self._past), self._end
+        return copy
 
     def push(self, y_d: np.ndarray, weight: np.ndarray, last: bool) -> np.ndarray:
         """Commands final now, shape (m, axes) [mm]; see Stream.push. Weights are ignored."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from fbfcli.gcode.dialects import Kind
 from fbfcli.gcode.interpret import Block
 from fbfcli.gcode.scan import MODAL
 from fbfcli.gcode.write import Modes

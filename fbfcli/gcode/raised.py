@@ -63,42 +63,51 @@ def shaper_off(firmware: str) -> list[str]:
 
 def raise_lines(firmware: str, limits: Limits) -> list[str]:
     """Lines before a compensated stretch where `limits` are in force."""
-    return (
-        shaper_off(firmware)
-        + limit_lines(firmware, raised(firmware, limits))
-        + (["M205 B0"] if firmware == "marlin" else [])
-    )
+    segment_time = ["M205 B0"] if firmware == "marlin" else []
+    return shaper_off(firmware) + _limit_lines(firmware, raised(firmware, limits), limits, "XY") + segment_time
 
 
-def restore_lines(firmware: str, limits: Limits) -> list[str]:
-    """Lines after it that put `limits` back in force."""
-    return limit_lines(firmware, limits) + ([f"M205 B{MARLIN_SEGMENT_US}"] if firmware == "marlin" else [])
+def restore_lines(firmware: str, limits: Limits, base: Limits) -> list[str]:
+    """Lines after it that put `limits` in force.
+
+    base : the limits that were raised; what has changed since for Z and E (such lines wait, see `runs`) is put in force
+           too
+    """
+    segment_time = [f"M205 B{MARLIN_SEGMENT_US}"] if firmware == "marlin" else []
+    return _limit_lines(firmware, limits, base, "XYZE") + segment_time
 
 
-def limit_lines(firmware: str, limits: Limits) -> list[str]:
-    """Lines that put `limits` in force."""
+def _limit_lines(firmware: str, limits: Limits, base: Limits, axes: str) -> list[str]:
+    """Lines that put `limits` in force for X and Y, and for the other `axes` where they differ from `base`."""
     if firmware == "klipper":
         return [
-            f"SET_VELOCITY_LIMIT VELOCITY={_number(limits.velocity)} ACCEL={_number(limits.acceleration)}"
-            f" SQUARE_CORNER_VELOCITY={_number(limits.square_corner_velocity)} MINIMUM_CRUISE_RATIO={_number(limits.minimum_cruise_ratio)}"
+            f"SET_VELOCITY_LIMIT VELOCITY={_number(limits.velocity)} ACCEL={_number(limits.acceleration)} "
+            f"SQUARE_CORNER_VELOCITY={_number(limits.square_corner_velocity)} "
+            f"MINIMUM_CRUISE_RATIO={_number(limits.minimum_cruise_ratio)}"
         ]
     per_min = S_PER_MIN if firmware == "reprapfirmware" else 1.0
+    retract = limits.retract_acceleration
     lines = [
-        _xy_line("M201", limits.axis_acceleration, 1.0),
-        _xy_line("M203", limits.axis_velocity, per_min),
-        f"M204 P{_number(limits.acceleration)} T{_number(limits.travel_acceleration)}",
+        _axis_line("M201", limits.axis_acceleration, base.axis_acceleration, axes, 1.0),
+        _axis_line("M203", limits.axis_velocity, base.axis_velocity, axes, per_min),
+        f"M204 P{_number(limits.acceleration)} T{_number(limits.travel_acceleration)}"
+        + (f" R{_number(retract)}" if firmware == "marlin" and retract != base.retract_acceleration else ""),
     ]
     if firmware == "reprapfirmware":
-        lines.append(_xy_line("M566", limits.jerk, per_min))
-    elif isnan(limits.junction_deviation):
-        lines.append(_xy_line("M205", limits.jerk, 1.0))
+        lines.append(_axis_line("M566", limits.jerk, base.jerk, axes, per_min))
     else:
-        lines.append(f"M205 J{_number(limits.junction_deviation)}")
+        lines.append(_axis_line("M205", limits.jerk, base.jerk, axes, 1.0, f"J{_number(limits.junction_deviation)}"
+                                if not isnan(limits.junction_deviation) else ""))  # fmt: skip
     return [line for line in lines if line]
 
 
-def _xy_line(command: str, values: Four, scale: float) -> str:
-    words = [f"{axis}{_number(value * scale)}" for axis, value in zip("XY", values, strict=False) if isfinite(value)]
+def _axis_line(command: str, values: Four, base: Four, axes: str, scale: float, instead: str = "") -> str:
+    """`command` with a word per axis; `instead` of X and Y another word."""
+    words = [instead] if instead else []
+    for axis, value, was in zip("XYZE", values, base, strict=True):
+        plane = axis in "XY" and not instead
+        if axis in axes and isfinite(value) and (plane or (axis in "ZE" and value != was)):
+            words.append(f"{axis}{_number(value * scale)}")
     return " ".join([command, *words]) if words else ""
 
 

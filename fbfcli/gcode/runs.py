@@ -13,6 +13,7 @@ import numpy as np
 
 from fbfcli.gcode.dialects import Kind
 from fbfcli.gcode.listing import Listing
+from fbfcli.gcode.motion import DEFAULT_FEED
 from fbfcli.gcode.placement import Places
 from fbfcli.gcode.raised import raise_lines, restore_lines
 from fbfcli.gcode.words import SCALE
@@ -22,6 +23,7 @@ DEFERRED = b"; fbf: "
 _NUMBER = re.compile(rb"^\s*[Nn]\d+\s*")
 _CHECKSUM = re.compile(rb"\s*\*\d+[ \t]*(?=\r?\n?$|;)")
 _MAY_BE_NUMBERED = np.isin(np.arange(256), list(b"Nn \t"))
+_E_NUMBER = re.compile(rb"[Ee]\s*[-+.\d]*")
 _DECLARES = re.compile(rb"^\s*[Gg]0*92(?![.\d])")
 
 
@@ -61,14 +63,15 @@ def raising(firmware: str, limits: Limits) -> bytes:
     return _text(raise_lines(firmware, limits))
 
 
-def restoring(firmware: str, limits: Limits, feed: float) -> bytes:
-    """Text after a run: the file's limits, and its F."""
-    return _text(restore_lines(firmware, limits)) + feed_line(feed)
+def restoring(firmware: str, limits: Limits, base: Limits, feed: float) -> bytes:
+    """Text after a run that raised `base`: the file's limits, and its F."""
+    return _text(restore_lines(firmware, limits, base)) + feed_line(feed)
 
 
 def feed_line(feed: float) -> bytes:
-    """The F that the file has in force, as its next motion line expects it; nothing before the first F."""
-    return b"" if np.isnan(feed) else f"G1 F{feed:.5f}".rstrip("0").rstrip(".").encode() + b"\n"
+    """The F that the file has in force, as its next motion line expects it."""
+    feed = DEFAULT_FEED if np.isnan(feed) else feed
+    return f"G1 F{feed:.5f}".rstrip("0").rstrip(".").encode() + b"\n"
 
 
 def _text(lines: list[str]) -> bytes:
@@ -91,7 +94,7 @@ def is_special(places: Places, raised: np.ndarray) -> np.ndarray:
 
 
 def joints(lines: Listing, special: np.ndarray) -> np.ndarray:
-    """Where a new piece of text begins: at special lines, after them, and where lines were left out, bool, shape (k,)."""
+    """Where a new piece of text begins: at special lines, after them, where lines were left out, bool, shape (k,)."""
     new = special.copy()
     new[1:] |= special[:-1] | (lines.begin[1:] != lines.end[:-1])
     new[:1] = True
@@ -117,7 +120,7 @@ def kept_text(places: Places, i: int, raised: bool, restore: bytes, e_word: int 
     if kind == Kind.BARRIER and raised:
         return restore + raw
     if kind == Kind.MODE and e_word is not None and _DECLARES.match(raw):
-        return b"G92 E%s\n" % (f"{e_word / SCALE:.5f}".encode())
+        return _E_NUMBER.sub(f"E{e_word / SCALE:.5f}".encode(), raw, count=1)
     if places.moves[i] and raised:
         if not lines.has_command[i] and lines.motion[i] > 1:
             raw = b"G%d " % lines.motion[i] + raw

@@ -31,8 +31,8 @@ class LimitTable:
 def compensated(limits: Limits, acceleration: float | None, velocity: float | None) -> Limits:
     """The limits that compensated moves are planned with: --accel and --velocity in the place of X's and Y's.
 
-    Where E's own limits bind (a wipe at retraction speed), segments must keep within them too, and a chord is faster than
-    the curve it stands for: E is planned with a margin.
+    Where E's own limits bind (a wipe at retraction speed), segments must keep within them too, and a chord is faster
+    than the curve it stands for: E is planned with a margin.
     """
     x, y, z, e = limits.axis_acceleration
     axis_acceleration = (x, y, z, E_ACCELERATION_SHARE * e)

@@ -1,9 +1,9 @@
-"""Nodes: the few points that stand for a sampled command, and the time each segment between them must last.
+"""Nodes: the few points that stand for a sampled command.
 
-Legend: u command, sampled every dt; k sample; node = sample at which a segment ends; theta position inside a segment, 0..1.
+Legend: u command, sampled every dt; k sample; node = sample at which a segment ends; theta place in a segment, 0..1.
 A chord of length T on a curve of acceleration a is off by a T^2 / 8, so break points that equidistribute
-sqrt(|u''| / (8 tolerance)) keep every chord within the tolerance with the fewest segments (de Boor, A Practical Guide to
-Splines, ch. XII). Nodes fitted by least squares halve the RMS of nodes taken from the curve.
+sqrt(|u''| / (8 tolerance)) keep every chord within the tolerance with the fewest segments (de Boor, A Practical Guide
+to Splines, ch. XII). Nodes fitted by least squares halve the RMS of nodes taken from the curve.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from scipy.linalg import solveh_banded
 from scipy.ndimage import uniform_filter1d
 
 BURST = 8.0  # segments: half of the smallest queue (16), so that corners may have more and straight lines fewer
+ALONG = 0.3  # worth of an error along the path against one across it, where not both can be had
+FITTED = 2.0  # tolerances that a fit may move nodes towards each other
 MIN_RATE = 4.0  # segments per second of a straight line at constant speed: E, fans and pauses stay near their time
 ROOM = 1.25  # segments are planned this much longer than the shortest that the firmware keeps: few must be merged
 REFINEMENTS = 4  # passes that halve what a velocity step left outside the tolerance
@@ -41,7 +43,7 @@ def break_points(u: np.ndarray, ends: np.ndarray, forced: np.ndarray, dt: float,
 
     u      : ndarray, shape (n, 2)   command [mm]
     ends   : ndarray of int          first and last sample of each stretch, 2 per stretch, increasing
-    forced : ndarray of int          samples inside stretches that must be nodes
+    forced : ndarray of int          samples inside stretches that should be nodes, where the firmware can have them
     """
     is_fixed = np.zeros(len(u), dtype=bool)
     is_fixed[ends] = is_fixed[forced] = True
@@ -55,9 +57,11 @@ def break_points(u: np.ndarray, ends: np.ndarray, forced: np.ndarray, dt: float,
             break
         is_node[worst] = True
     nodes = np.flatnonzero(is_node)
-    return (
-        _merge_short(u, nodes, is_fixed[nodes], budget, dt) if budget.min_length > 0 or budget.min_speed > 0 else nodes
-    )
+    if budget.min_length > 0 or budget.min_speed > 0:
+        is_end = np.zeros(len(u), dtype=bool)
+        is_end[ends] = True
+        nodes = _merge_short(u, nodes, is_end[nodes], budget, dt)
+    return nodes
 
 
 def thinned(wanted: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
@@ -68,19 +72,35 @@ def thinned(wanted: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
 
 def _rate(u: np.ndarray, dt: float, budget: Budget) -> tuple[np.ndarray, np.ndarray]:
     """Segments per second at each sample, shape (n,), and where the firmware takes no more, bool, shape (n,)."""
-    rate = np.empty(len(u))
-    ax, ay = (np.diff(u[:, i], 2) for i in (0, 1))
-    curvature = np.sqrt(ax * ax + ay * ay)
-    rate[1:-1] = np.sqrt(curvature * (1.0 / (8.0 * budget.tolerance * dt * dt)))
-    rate[:1], rate[-1:] = rate[1:2], rate[-2:-1]
+    step_x, step_y = np.diff(u[:, 0]), np.diff(u[:, 1])
+    bend_x, bend_y = np.diff(step_x), np.diff(step_y)
+    most = np.full(len(u), 1.0 / dt)
     if budget.min_length > 0:
-        speed = np.maximum(np.abs(np.diff(u[:, 0])), np.abs(np.diff(u[:, 1]))) / dt
-        np.minimum(rate[1:], speed / (ROOM * budget.min_length), out=rate[1:])
-    np.clip(rate, MIN_RATE, 1.0 / dt, out=rate)
-    mean = uniform_filter1d(rate, max(1, round(BURST / (budget.max_rate * dt))), mode="nearest")
+        speed = np.maximum(np.abs(step_x), np.abs(step_y)) / dt
+        np.minimum(most[1:], np.maximum(speed / (ROOM * budget.min_length), MIN_RATE), out=most[1:])
+    rate = _wanted(np.sqrt(bend_x * bend_x + bend_y * bend_y), most, dt, budget)
+    mean = _mean(rate, dt, budget)
     full = mean > budget.max_rate
-    rate *= np.minimum(1.0, budget.max_rate / mean)
+    if full.any():  # what bends the path counts before what only changes the speed along it
+        speed = np.sqrt(step_x * step_x + step_y * step_y)[1:] + 1e-300
+        across = np.abs(step_x[1:] * bend_y - step_y[1:] * bend_x) / speed
+        along = np.abs(step_x[1:] * bend_x + step_y[1:] * bend_y) / speed
+        rate = np.where(full, _wanted(across + ALONG * along, most, dt, budget), rate)
+        rate *= np.minimum(1.0, budget.max_rate / _mean(rate, dt, budget))
     return rate, full
+
+
+def _wanted(bend: np.ndarray, most: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
+    """sqrt(|u''| / 8 tolerance) for second differences `bend` (n - 2,) [mm], within bounds, shape (n,)."""
+    rate = np.empty(len(bend) + 2)
+    rate[1:-1] = np.sqrt(bend * (1.0 / (8.0 * budget.tolerance * dt * dt)))
+    rate[:1], rate[-1:] = rate[1:2], rate[-2:-1]
+    return np.clip(rate, MIN_RATE, most, out=rate)
+
+
+def _mean(rate: np.ndarray, dt: float, budget: Budget) -> np.ndarray:
+    """Mean rate over the time in which the firmware takes BURST segments, shape (n,)."""
+    return uniform_filter1d(rate, max(1, round(BURST / (budget.max_rate * dt))), mode="nearest")
 
 
 def _equidistribute(share: np.ndarray, fixed: np.ndarray) -> np.ndarray:
@@ -124,21 +144,27 @@ def _outside(u: np.ndarray, nodes: np.ndarray, tolerance: float, full: np.ndarra
 
 
 def _merge_short(u: np.ndarray, nodes: np.ndarray, pinned: np.ndarray, budget: Budget, dt: float) -> np.ndarray:
-    """Nodes without those that end a segment too short along both axes, or too slow; pinned ones stay."""
-    for _ in range(16):
+    """Nodes without those that end a segment too short along both axes, or too slow; pinned ones stay.
+
+    A short segment gives up its end, or its beginning where the end is pinned; of neighbours that would go, every other
+    one goes first: the longer segments may be long enough.
+    """
+    while True:
         step = np.maximum(np.abs(np.diff(u[nodes, 0])), np.abs(np.diff(u[nodes, 1])))
-        short = step < np.maximum(budget.min_length, budget.min_speed * dt * np.diff(nodes))
+        short = step < budget.min_length
+        if budget.min_speed > 0:
+            short |= step - FITTED * budget.tolerance < budget.min_speed * dt * np.diff(nodes)
         drop = np.zeros(len(nodes), dtype=bool)
-        drop[1:] = short & ~pinned[1:]
-        before_pinned = np.flatnonzero(
-            short & pinned[1:] & ~pinned[:-1]
-        )  # the rest before a fixed node: give up the other end
-        drop[before_pinned] = True
-        drop[1:] &= ~drop[:-1]  # neighbours one at a time: the merged segment may be long enough
-        if not drop.any():
-            break
+        drop[1:] = short
+        drop[:-1] |= short & pinned[1:]
+        drop &= ~pinned
+        going = np.flatnonzero(drop)
+        if not len(going):
+            return nodes
+        new = np.diff(going, prepend=-2) > 1
+        place = np.arange(len(going)) - np.flatnonzero(new)[np.cumsum(new) - 1]
+        drop[going[place % 2 == 1]] = False
         nodes, pinned = nodes[~drop], pinned[~drop]
-    return nodes
 
 
 def fit(u: np.ndarray, nodes: np.ndarray, pinned: np.ndarray) -> np.ndarray:

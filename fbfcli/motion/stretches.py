@@ -25,8 +25,8 @@ def compensable(moves: Moves, known: np.ndarray, acceleration: float | None) -> 
     known        : ndarray of bool, shape (n,)   X and Y are known where the move starts
     acceleration : that X and Y will be planned with [mm/s^2]; None: the limits in force
 
-    A move with a Z part is, if the planner would still grant its segments Z_MARGIN times that acceleration. All chords of
-    an arc fare alike.
+    A move with a Z part is, if the planner would still grant its segments Z_MARGIN times that acceleration. All chords
+    of an arc fare alike.
     """
     dx, dy, dz = moves.delta[:, 0], moves.delta[:, 1], np.abs(moves.delta[:, Z])
     moving = known & (dx * dx + dy * dy > EPS_MM * EPS_MM)
@@ -60,7 +60,7 @@ class Grid:
     end    : ndarray of int, shape (s,)      its last sample
     t0     : ndarray, shape (m,)             when each move starts [samples]
     count  : int                             samples in all
-    phase  : float                           where the next move of the open last stretch starts, relative to sample `count`
+    phase  : float                           where the next move of the open last stretch starts, after sample `count`
     continued, open_last : bool              the first stretch began, the last one goes on in another batch
     """
 
@@ -109,7 +109,7 @@ def lay(
 
     inside    : ndarray of bool, shape (n,)   moves that are compensated
     duration  : ndarray, shape (n,)           how long each move lasts [s]
-    phase     : the first stretch continues one of the batch before, its next move starts here [samples]; None: it begins
+    phase     : where the first stretch goes on, if it is one of the batch before [samples]; None: it begins
     open_last : the last stretch continues in the next batch
     """
     move = np.flatnonzero(inside)

@@ -1,7 +1,7 @@
 """Speeds that make a planner spend the wanted time on each segment.
 
 A planner loses dv^2 / (2 a v) at every change of speed, and a rounded F and rounded coordinates add to it (FORMATS
-"Time must be fed back"). The planner model is asked what it would do, and what it is late is taken off the time asked for.
+"Time must be fed back"). The planner model is asked what it would do; what it is late is taken off the time asked for.
 """
 
 from __future__ import annotations
@@ -47,36 +47,65 @@ def timed(
     late     : how late the first one starts [s]
     quantise : the speed that a written F stands for [mm/s]; applied before the planner is asked
 
-    A segment that limits hold up (a wipe at the extruder's top speed) makes the ones after it a little faster.
+    A segment that limits hold up (a wipe at the extruder's top speed) makes the ones after it a little faster, up to
+    the next stop: there, time no longer matters.
     """
     distance = moves.distance
     least = LEAST_SHARE * wanted
-    ask = np.maximum(wanted - made_good(np.zeros(len(wanted)), CATCH_UP * wanted, late), least)
+    starts = np.flatnonzero(moves.stop)
+    ask = np.maximum(wanted - made_good(np.zeros(len(wanted)), CATCH_UP * wanted, starts, late), least)
     for attempt in range(ATTEMPTS):
         asked = replace(moves, speed=quantise(distance / ask))
         done = executed(asked, firmware, goes_in, goes_on)
         error = done.duration - wanted
-        if attempt == ATTEMPTS - 1 or np.abs(late + np.cumsum(error)).max() < ON_TIME_S:
+        if attempt == ATTEMPTS - 1 or np.abs(lateness(error, starts, late)).max() < ON_TIME_S:
             break
         if attempt == 0:
             ask = np.maximum(ask - (done.duration - ask), least)
         else:
-            capacity = np.where(error > HELD_UP_S, 0.0, CATCH_UP * wanted)
-            ask = np.maximum(ask - made_good(error, capacity, late), least)
+            side = _side(lateness(error, starts, late), starts)
+            capacity = np.where(side * error > HELD_UP_S, 0.0, CATCH_UP * wanted)
+            ask = np.maximum(ask - side * made_good(side * error, capacity, starts, float(side[0]) * late), least)
     return asked, done
 
 
-def made_good(delay: np.ndarray, capacity: np.ndarray, late: float) -> np.ndarray:
-    """Time that each segment gains on its own to end the lateness so far, shape (n,) [s].
+def lateness(error: np.ndarray, starts: np.ndarray, late: float) -> np.ndarray:
+    """Sum of the errors since the last of `starts`, or since `late` before the first, shape (n,) [s]."""
+    total = late + np.cumsum(error)
+    before = np.concatenate([[0.0], total[starts - 1]]) if len(starts) else np.zeros(1)
+    if len(starts) and starts[0] == 0:
+        before[1] = late
+    return total - np.repeat(before, np.diff(starts, prepend=0, append=len(error)))
+
+
+def _side(late: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Between stops: 1 where the largest lateness is a delay, -1 where the firmware is ahead, shape (n,)."""
+    first = np.union1d([0], starts)
+    ahead = np.maximum.reduceat(late, first) < -np.minimum.reduceat(late, first)
+    return np.repeat(np.where(ahead, -1.0, 1.0), np.diff(first, append=len(late)))
+
+
+def made_good(delay: np.ndarray, capacity: np.ndarray, starts: np.ndarray, late: float) -> np.ndarray:
+    """Time that each segment gains to end the lateness so far, shape (n,) [s]; negative where it is early by itself.
 
     delay    : ndarray, shape (n,)   lateness that arises in each segment, negative where it is early
     capacity : ndarray, shape (n,)   the most each can gain
-    late     : lateness before the first; negative: early
+    starts   : ndarray of int        segments that start anew, on time
+    late     : lateness before the first
 
-    late_i = max(0, late_{i-1} + delay_i - capacity_i): a queue's waiting time (Lindley), hence a running minimum.
+    late_i = max(0, late_{i-1} + delay_i - capacity_i): a queue's waiting time (Lindley), hence a running minimum; each
+    start is put below all that was before it.
     """
-    S = np.cumsum(delay - capacity) + max(late, 0.0)
-    left = S - np.minimum(np.minimum.accumulate(S), 0.0)
-    gain = np.diff(-left, prepend=-max(late, 0.0)) + delay
-    gain[0] += min(late, 0.0)
-    return gain
+    drop = np.zeros(len(delay))
+    drop[starts] = 1.0 + abs(late) + np.abs(delay).sum() + capacity.sum()
+    start_late = np.zeros(len(delay))
+    if not len(starts) or starts[0] != 0:
+        start_late[0] = max(late, 0.0)
+    S = np.cumsum(delay - capacity - drop) + start_late[0]
+    floor = S.copy()
+    floor[starts] = np.minimum(floor[starts], S[starts] - (delay - capacity)[starts])
+    floor[0] = min(floor[0], S[0] - (delay - capacity)[0] - start_late[0])
+    left = S - np.minimum.accumulate(floor)
+    before = np.concatenate([start_late[:1], left[:-1]])
+    before[starts] = 0.0
+    return before + delay - left

@@ -24,7 +24,8 @@ class Batch:
 
     grid       : Grid                            of all stretches of the part, its sample 0 being row 0 here
     begin, end : ndarray of int, shape (s,)      first and last sample of each stretch here
-    start      : ndarray of int, shape (s,)      move of the part that each begins with
+    start      : ndarray of int, shape (s,)      move of the part that each begins, or goes on, with
+    line       : ndarray of int, shape (s,)      line of the file that each began with
     begun      : bool                            the first of them was begun in an earlier batch
     desired    : ndarray, shape (n, 4)           X Y Z E [mm]
     command    : ndarray, shape (n, 2)           X Y [mm]
@@ -36,11 +37,17 @@ class Batch:
     begin: np.ndarray
     end: np.ndarray
     start: np.ndarray
+    line: np.ndarray
     begun: bool
     desired: np.ndarray
     command: np.ndarray
     extruding: np.ndarray
     dropped: int
+
+    @property
+    def goes_on(self) -> bool:
+        """The last of the stretches goes on in the next batch."""
+        return self.grid.open_last and self.dropped < len(self.command)
 
 
 @dataclass(frozen=True)
@@ -62,6 +69,7 @@ class _Open:
     stream: Stream
     phase: float
     begun: bool
+    line: int
     samples: _Samples
 
 
@@ -88,7 +96,7 @@ class Remedies:
         self.first_line: int | None = None
 
     def count(self, attempt: _Attempt, line: int) -> None:
-        self.stretches += 1
+        self.stretches += not attempt.fixed
         self.slowed += attempt.slow > 1.0
         self.stiffened += attempt.level > 0 and attempt.slow == 1.0
         self.slowest = max(self.slowest, attempt.slow)
@@ -112,6 +120,8 @@ class Commander:
         starts = stretch_starts(part.moves, inside)
         attempts = [_Attempt(bool(j == 0 and self._open), goes_on and j == len(starts) - 1) for j in range(len(starts))]
         lines = part.moves.line[starts].tolist()
+        if self._open:
+            lines[0] = self._open.line
         while True:
             grid, desired, extruding = self._sampled(part, inside, attempts)
             self._attempt(grid, desired, attempts)
@@ -122,9 +132,8 @@ class Commander:
             for j in bad.tolist():
                 self._remedy(attempts[j], lines[j])
         for attempt, line in zip(attempts, lines, strict=True):
-            if not attempt.fixed:
-                self.remedies.count(attempt, line)
-        return self._finish(grid, samples, starts, attempts)
+            self.remedies.count(attempt, line)
+        return self._finish(grid, samples, starts, np.array(lines, dtype=np.int64), attempts)
 
     def _sampled(self, part: Part, inside: np.ndarray, attempts: list[_Attempt]) -> tuple[Grid, np.ndarray, np.ndarray]:
         """Grid, desired positions and where E is pushed, of the stretches of a part (an open one: its new samples)."""
@@ -151,7 +160,8 @@ class Commander:
         for attempt, a, b in zip(attempts, grid.begin.tolist(), (grid.end + 1).tolist(), strict=True):
             if attempt.command is None:
                 y_d = desired[a:b, :2]
-                stream = self._open.stream if attempt.fixed and self._open else self._level(attempt.level).start(y_d[0])
+                level = self._level(attempt.level)
+                stream = level.resume(self._open.stream) if attempt.fixed and self._open else level.start(y_d[0])
                 attempt.stream, attempt.command = stream, stream.push(y_d, weight[a:b], not attempt.goes_on)
 
     def _level(self, level: int) -> Compensator:
@@ -192,17 +202,17 @@ class Commander:
 
     def _remedy(self, attempt: _Attempt, line: int) -> None:
         """Stiffer first, then slower."""
-        if attempt.fixed:
-            raise LimitError(_TOO_FAST.format(line + 1))
         if self._level(attempt.level + 1) is not self._level(attempt.level):
             attempt.level += 1
-        elif attempt.slow < SLOWEST and not attempt.goes_on:
+        elif attempt.slow < SLOWEST and not (attempt.fixed or attempt.goes_on):
             attempt.slow *= SLOWER
         else:
             raise LimitError(_TOO_FAST.format(line + 1))
         attempt.command = None
 
-    def _finish(self, grid: Grid, samples: _Samples, starts: np.ndarray, attempts: list[_Attempt]) -> Batch:
+    def _finish(
+        self, grid: Grid, samples: _Samples, starts: np.ndarray, lines: np.ndarray, attempts: list[_Attempt]
+    ) -> Batch:
         """Keep back what is not final."""
         before, begin = self._open, grid.begin
         n = dropped = len(samples.command)
@@ -214,13 +224,14 @@ class Commander:
             else:
                 n = dropped = int(begin[-1])
             begun = bool(writes or (before and before.begun and len(begin) == 1))
-            self._open = _Open(attempts[-1].stream, grid.phase, begun, samples[dropped:])
+            self._open = _Open(attempts[-1].stream, grid.phase, begun, int(lines[-1]), samples[dropped:])
         here = begin < n
         return Batch(
             grid,
             begin[here],
             np.minimum(grid.end[here], n - 1),
             starts[here],
+            lines[here],
             bool(before and before.begun),
             samples.desired[:n],
             samples.command[:n],

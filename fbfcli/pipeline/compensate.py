@@ -145,8 +145,8 @@ def _warnings(reader: Reader, tally: Tally, budget: Budget, remedies: Remedies) 
     told = list(reader.warnings)
     if remedies.stiffened or remedies.slowed:
         told.append(
-            f"limits: {remedies.stiffened} of {remedies.stretches} stretches compensated more gently, {remedies.slowed} slowed "
-            f"(up to {remedies.slowest:.2f} times), the first at line {remedies.first_line}"
+            f"limits: {remedies.stiffened} of {remedies.stretches} stretches compensated more gently, "
+            f"{remedies.slowed} slowed (up to {remedies.slowest:.2f} times), the first at line {remedies.first_line}"
         )
     if tally.busiest > BUSY * budget.max_rate:
         told.append(f"{tally.busiest} segments in one second, more than the firmware takes: raise --tolerance")

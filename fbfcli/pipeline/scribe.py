@@ -46,6 +46,8 @@ class _Page:
     offsets : ndarray of int                 where each segment begins in it
     elapsed : ndarray                        time of the segments before each [s]
     table   : tuple of Limits                that `places.lines.state` counts in
+    starts  : ndarray of int, shape (s,)     line that each stretch began with
+    before  : Limits                         raised when the batch began
     """
 
     places: Places
@@ -58,6 +60,13 @@ class _Page:
     offsets: np.ndarray
     elapsed: np.ndarray
     table: tuple[Limits, ...]
+    starts: np.ndarray
+    before: Limits
+
+    def base_of(self, i: int) -> Limits:
+        """The limits that are raised where line i stands."""
+        stretch = int(np.searchsorted(self.starts, self.places.lines.number[i])) - 1
+        return self.bases[stretch] if stretch >= 0 else self.before
 
 
 class Scribe:
@@ -104,26 +113,30 @@ class Scribe:
     def finish(self) -> None:
         """Put the limits back at the end of the file."""
         if self._raised:
-            self._put(restoring(self._firmware, self._in_force, self._feed))
+            self._put(restoring(self._firmware, self._in_force, self._base, self._feed))
             self._raised = False
 
     def _page(
         self, batch: Batch, part: Part, places: Places, table: tuple[Limits, ...]
     ) -> tuple[_Page, Segments | None]:
-        starts = part.moves.line[batch.start]
+        starts = batch.line
         number = places.lines.number
         run = raised_where(number, number[places.lines.kind == BARRIER], starts, self._raised)
+        base = self._base
         bases = self._bases(run, places, starts, table)
         none = np.zeros(1, dtype=np.int64)
         if not len(batch.command):
             at = segment_of(places.sample, none)
-            return _Page(places, at, run, bases, none[:0], none[:0], b"", none, np.zeros(1), table), None
+            return _Page(places, at, run, bases, none[:0], none[:0], b"", none, np.zeros(1), table, starts, base), None
         segments = self._segmenter.segments(batch, part, places, self._modes, bases)
         text, offsets = segment_lines(segments.words, segments.modes, segments.feed)
         at = segment_of(places.sample, segments.node)
         rise_at, first_line = segments.first[run.begin], starts[run.begin]
-        before = np.clip(np.searchsorted(number, first_line), *(np.searchsorted(at, rise_at, side=s) for s in SIDES))
-        return _Page(places, at, run, bases, rise_at, before, text, offsets, segments.elapsed, table), segments
+        before = np.searchsorted(number, first_line).clip(
+            np.searchsorted(at, rise_at), np.searchsorted(at, rise_at, side="right")
+        )
+        page = _Page(places, at, run, bases, rise_at, before, text, offsets, segments.elapsed, table, starts, base)
+        return page, segments
 
     def _bases(self, run: Raised, places: Places, starts: np.ndarray, table: tuple[Limits, ...]) -> list[Limits]:
         """Limits of the file in force where the run of each stretch began; raised, they hold for the stretch."""
@@ -148,7 +161,7 @@ class Scribe:
                 end=batch.end,
                 rest=np.rint(rest / dt).astype(np.int64),
                 begun=batch.begun,
-                goes_on=batch.grid.open_last and batch.dropped < len(batch.command),
+                goes_on=batch.goes_on,
                 desired=batch.desired[:, :2],
                 command=batch.command,
                 extruding=batch.extruding,
@@ -158,6 +171,7 @@ class Scribe:
                 distance=segments.moves.distance,
                 wanted=segments.wanted,
                 executed=segments.done,
+                late=segments.late,
                 dt=dt,
             )
         )
@@ -171,11 +185,13 @@ class Scribe:
         special[lines.kind == PROGRESS] |= self._patch_times
         breaks = joints(lines, special) | (np.diff(page.at, prepend=-1) != 0)
         breaks[page.rise_before[page.rise_before < len(lines)]] = True
-        rises = list(zip(page.rise_before.tolist(), page.rise_at.tolist(), page.run.begin.nonzero()[0], strict=True))
+        rising = np.flatnonzero(page.run.begin).tolist()
+        rises = list(zip(page.rise_before.tolist(), page.rise_at.tolist(), rising, strict=True))
         done = 0
         for i, j in pairwise(np.append(np.flatnonzero(breaks), len(lines)).tolist()):
             while rises and rises[0][0] <= i:
-                done = self._rise(page, done, *rises.pop(0)[1:])
+                _, at, stretch = rises.pop(0)
+                done = self._rise(page, done, at, stretch)
             done = self._up_to(page, done, int(page.at[i]))
             if special[i]:
                 self._line(page, i, restated.get(i))
@@ -211,7 +227,7 @@ class Scribe:
         places, lines = page.places, page.places.lines
         raised_here, restore = bool(page.run.line[i]), b""
         if raised_here and lines.kind[i] == BARRIER:
-            restore = restoring(self._firmware, page.table[lines.state[i]], float(lines.feed[i]))
+            restore = restoring(self._firmware, page.table[lines.state[i]], page.base_of(i), float(lines.feed[i]))
         text = kept_text(places, i, raised_here, restore, e_word)
         if self._patch_times and lines.kind[i] == PROGRESS:
             body = text.rstrip(b"\r\n")
@@ -244,14 +260,12 @@ class Scribe:
         if len(part.moves):
             self._e = float(part.moves.start[-1, E] + part.moves.delta[-1, E])
         if len(lines):
-            self._in_force, self._feed = page.table[lines.state[-1]], float(lines.feed[-1])
+            self._feed = float(lines.feed[-1])
         if len(page.places):
+            self._in_force = page.table[page.places.lines.state[-1]]
             self._modes = page.places[-1:].lines.modes(page.places.e_machine[-1:])
         passed = float(idle.sum() + lines.wait.sum())
         self.elapsed += float(page.elapsed[-1]) + passed
         self.dwelt += float(lines.wait.sum())
         held = places[~due]
         self._held = replace(held, sample=held.sample - dropped, passed=held.passed - passed) if len(held) else None
-
-
-SIDES = ("left", "right")

@@ -16,7 +16,7 @@ from fbfcli.motion.nodes import Budget, break_points, fit, thinned
 from fbfcli.motion.planner import Part
 from fbfcli.motion.profile import Profile
 from fbfcli.motion.stretches import kinks
-from fbfcli.motion.timing import timed
+from fbfcli.motion.timing import lateness, timed
 from fbfcli.pipeline.commander import Batch
 from fbfcli.printer import Limits
 
@@ -33,6 +33,7 @@ class Segments:
     moves  : Moves                            the r real ones as the firmware reads them
     wanted : ndarray, shape (r,)              time each should last [s]
     done   : Profile                          what the planner model makes of them
+    late   : float                            how late the first starts [s]
     """
 
     node: np.ndarray
@@ -43,6 +44,7 @@ class Segments:
     moves: Moves
     wanted: np.ndarray
     done: Profile
+    late: float
 
     @property
     def elapsed(self) -> np.ndarray:
@@ -57,7 +59,7 @@ class Segmenter:
 
     def __init__(self, firmware: str, budget: Budget, dt: float):
         self._firmware, self._budget, self.dt = firmware, budget, dt
-        self._late = 0.0  # clock error, made good by the next segments [s]
+        self._late = 0.0  # where a stretch goes on in the next batch [s]
 
     def segments(self, batch: Batch, part: Part, places: Places, before: Modes, bases: list[Limits]) -> Segments:
         """Segments of a batch.
@@ -116,10 +118,9 @@ class Segmenter:
         def quantise(speed: np.ndarray) -> np.ndarray:
             return speed_of(feed_of(speed, unit, factor), unit, factor)
 
-        moves, done = timed(
-            moves, wanted, self._late, self._firmware, quantise, batch.begun, batch.grid.open_last
-        )
-        self._late += float(done.duration.sum() - wanted.sum())
+        moves, done = timed(moves, wanted, self._late, self._firmware, quantise, batch.begun, batch.goes_on)
+        late, starts = self._late, np.flatnonzero(moves.stop)
+        self._late = float(lateness(done.duration - wanted, starts, late)[-1]) if batch.goes_on else 0.0
         feed = np.zeros(len(words.real), dtype=np.int64)
         feed[here] = feed_of(moves.speed, unit, factor)
-        return Segments(node, words, modes, feed, first, moves, wanted, done)
+        return Segments(node, words, modes, feed, first, moves, wanted, done, late)

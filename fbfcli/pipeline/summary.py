@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-from fbfcli.pipeline.settings import Settings
-from fbfcli.printer import Printer
-
 UM = 1e3
 BUSY = 1.25  # seconds may be this much fuller than the firmware's rate before they are told of
 
@@ -29,7 +26,8 @@ class Summary:
     lines, moves         : of the input
     left_alone           : moves of X or Y that were passed through uncompensated
     segments             : written
-    segments_per_second  : mean over compensated motion; `busiest_second` the most in one second; `budget` what it may be
+    segments_per_second  : mean over compensated motion; `busiest_second` the most in one second
+    budget               : segments per second that the firmware takes
     follow_error         : executed position of the written file against the command
     clock_drift_ppm      : executed time of the written segments against the wanted time
     contour_before, contour_after : predicted distance of the nozzle from the desired path while extruding,
@@ -66,13 +64,24 @@ class Summary:
     def text(self) -> str:
         """For people, on stderr."""
         before, after = self.contour_before, self.contour_after
+        follow = self.follow_error
         rows = [
             ("print time", f"{clock(self.time_as_sliced)} -> {clock(self.time)}"),
-            ("segments", f"{self.segments_per_second:.0f}/s mean, {self.busiest_second}/s at most; the firmware takes {self.budget:.0f}/s"),
-            ("follow error", f"{self.follow_error.rms:.1f} um rms, {self.follow_error.max:.1f} um max; clock drift {self.clock_drift_ppm:+.2f} ppm"),
-            ("contour error", f"{before.rms:.1f} -> {after.rms:.1f} um rms, {before.p99:.0f} -> {after.p99:.0f} um 99 %, "
-                              f"{before.max:.0f} -> {after.max:.0f} um max (extruding, predicted)"),
-        ]  # fmt: skip
+            (
+                "segments",
+                f"{self.segments_per_second:.0f}/s mean, {self.busiest_second}/s at most; "
+                f"the firmware takes {self.budget:.0f}/s",
+            ),
+            (
+                "follow error",
+                f"{follow.rms:.1f} um rms, {follow.max:.1f} um max; clock drift {self.clock_drift_ppm:+.2f} ppm",
+            ),
+            (
+                "contour error",
+                f"{before.rms:.1f} -> {after.rms:.1f} um rms, {before.p99:.0f} -> {after.p99:.0f} um 99 %, "
+                f"{before.max:.0f} -> {after.max:.0f} um max (extruding, predicted)",
+            ),
+        ]
         lines = [f"{name + ':':15s}{value}" for name, value in rows]
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
 

@@ -81,8 +81,8 @@ def cut(h: np.ndarray, count: int) -> np.ndarray:
     """
     lost = float(np.abs(h[count:]).sum() / np.abs(h).sum())
     if lost > TAIL:
-        raise ModelError(f"an impulse response of {count} samples leaves out {100 * lost:.1f} % of this plant's {len(h)}: "
-                         "take a longer one")  # fmt: skip
+        raise ModelError(f"an impulse response of {count} samples leaves out {100 * lost:.1f} % of this plant's "
+                         f"{len(h)} samples: take a longer one")  # fmt: skip
     return h[:count] / h[:count].sum()
 
 

@@ -26,7 +26,7 @@ class Nozzle:
         """Nozzle positions for more of the command, shape (n, axes).
 
         command : ndarray, shape (n, axes)      [mm]
-        begin   : ndarray of int, shape (s,)    samples at which a stretch begins; those before the first go on with the last
+        begin   : ndarray of int, shape (s,)    samples at which a stretch begins; before the first the last one goes on
         rest    : ndarray of int, shape (s,)    samples of rest before each of them
 
         With unit DC gain, a displacement between stretches moves the whole plant: it is taken out and put back.
@@ -34,7 +34,9 @@ class Nozzle:
         if self._last is None:
             self._last, self._moved = command[0].copy(), command[0].copy()
         previous = np.where(begin[:, None] > 0, command[begin - 1], self._last)
-        moved = self._moved + np.concatenate([np.zeros((1, command.shape[1])), np.cumsum(command[begin] - previous, axis=0)])
+        moved = self._moved + np.concatenate(
+            [np.zeros((1, command.shape[1])), np.cumsum(command[begin] - previous, axis=0)]
+        )
         length = np.diff(begin, prepend=0, append=len(command))
         counts = np.ones(len(command), dtype=np.int64)
         counts[begin] += np.minimum(rest, REST_SAMPLES)

@@ -21,7 +21,7 @@ class Stretches:
 
     begin, end : ndarray of int, shape (s,)        first and last sample of each
     rest       : ndarray of int, shape (s,)        samples of rest before each
-    begun      : bool                              sample 0 was the last one of the stretches before: one stretch goes on
+    begun      : bool                              the first goes on from before; sample 0 was the last one then
     goes_on    : bool                              the last stretch goes on in the next ones
     desired, command : ndarray, shape (n, 2)       [mm]
     extruding  : ndarray of bool, shape (n,)
@@ -30,6 +30,7 @@ class Stretches:
     distance   : ndarray, shape (k,)
     wanted     : ndarray, shape (k,)               time each should last [s]
     executed   : Profile                           what the planner model makes of them
+    late       : float                             how late the first starts [s]
     dt         : float
     """
 
@@ -47,15 +48,16 @@ class Stretches:
     distance: np.ndarray
     wanted: np.ndarray
     executed: Profile
+    late: float
     dt: float
 
-    def positions(self, late: float = 0.0) -> np.ndarray:
-        """X and Y that the planner model executes, on the samples, shape (n, 2); it begins `late` [s]."""
+    def positions(self) -> np.ndarray:
+        """X and Y that the planner model executes, on the samples, shape (n, 2)."""
         counts = np.diff(np.append(self.first, len(self.distance)))
         elapsed = np.cumsum(self.executed.duration) - self.executed.duration
         t0 = elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], counts)
         if self.begun:
-            t0[: counts[0]] += late
+            t0[: counts[0]] += self.late
         start, delta = self.start[:, :2], self.delta[:, :2]
         x, _ = sample(start, delta, self.distance, self.executed, t0, len(self.desired), self.dt)
         new = slice(1 if self.begun else 0, None)
@@ -95,23 +97,19 @@ class Tally:
         self._uncompensated, self._compensated = Nozzle(plants), Nozzle(plants)
         self._open: _Paths | None = None  # the last samples of a stretch that goes on
         self._counted = 0  # those of them that are counted already
-        self._late = 0.0  # of the executed segments, within a stretch that goes on [s]
         self.follow, self.before, self.after = ErrorTally(), ErrorTally(), ErrorTally()
         self.segments = 0
         self.wanted_s = self.executed_s = 0.0
         self.busiest = 0  # segments within one second
+        self._second, self._in_second = 0, 0  # of compensated motion, and segments in it so far
 
     def add(self, part: Stretches) -> None:
         """Execute the written segments, drive the plant, and count the errors."""
         self.segments += len(part.distance)
         self.wanted_s += float(part.wanted.sum())
         self.executed_s += float(part.executed.duration.sum())
-        self.busiest = max(self.busiest, _busiest(part))
-        x = part.positions(self._late)
-        last = slice(int(part.first[-1]), None)
-        self._late = float((part.executed.duration[last] - part.wanted[last]).sum()) + (
-            self._late if part.begun and len(part.first) == 1 else 0.0
-        )
+        self._count_seconds(part.wanted)
+        x = part.positions()
         new = slice(1 if part.begun else 0, None)
         ex, ey = x[new, 0] - part.command[new, 0], x[new, 1] - part.command[new, 1]
         self.follow.add(np.sqrt(ex * ex + ey * ey))
@@ -120,12 +118,20 @@ class Tally:
         after = self._compensated.follow(x[new], begin, rest)
         self._contour(_Paths(part.desired[new], before, after, part.extruding[new]), begin, part.goes_on)
 
+    def _count_seconds(self, wanted: np.ndarray) -> None:
+        """Most segments that begin within one second of compensated motion."""
+        second = (self.wanted_s - wanted.sum() + np.cumsum(wanted) - wanted).astype(np.int64)
+        counts = np.bincount(second - self._second)
+        counts[0] += self._in_second
+        self._second, self._in_second = int(second[-1]), int(counts[-1])
+        self.busiest = max(self.busiest, int(counts.max()))
+
     def _contour(self, paths: _Paths, begin: np.ndarray, goes_on: bool) -> None:
         """Count contour errors, those near a cut once there is a path on both sides of it."""
         paths, counted = (self._open.then(paths), self._counted) if self._open else (paths, 0)
         n = len(paths.desired)
         begin = np.union1d([0], begin + (len(self._open.desired) if self._open else 0))
-        ready = max(n - REACH, counted) if goes_on else n
+        ready = max(n - REACH, int(begin[-1]), counted) if goes_on else n
         at = np.arange(counted, ready)[paths.extruding[counted:ready]][::STRIDE]
         stretch = np.searchsorted(begin, at, side="right") - 1
         first, last = begin[stretch], np.append(begin[1:], n)[stretch] - 1
@@ -143,9 +149,3 @@ class Tally:
     def rate(self) -> float:
         """Segments per second of compensated motion."""
         return self.segments / self.wanted_s if self.wanted_s else 0.0
-
-
-def _busiest(part: Stretches) -> int:
-    """Most segments that begin within one second."""
-    second = (np.cumsum(part.wanted) - part.wanted).astype(np.int64)
-    return int(np.bincount(second).max()) if len(second) else 0
