@@ -16,6 +16,7 @@ import numpy as np
 
 from fbfcli.gcode.dialects import Kind
 from fbfcli.gcode.interpret import Block, initial_state, interpret
+from fbfcli.gcode.motion import DEFAULT_FEED
 from fbfcli.gcode.scan import scan
 from fbfcli.gcode.stamp import HEAD_BYTES, is_stamped
 from fbfcli.motion.moves import EPS_MM, E, Moves, Z
@@ -182,8 +183,14 @@ def _same_limits(a: Limits, b: Limits) -> bool:
 
 def _same_modes(a: Block, i: int, b: Block, j: int) -> bool:
     same = all(getattr(a, name)[i] == getattr(b, name)[j] for name in SWITCHES)
-    x, y = (np.array([block.feed[k], block.e_logical[k], *block.offset[k]]) for block, k in ((a, i), (b, j)))
+    x, y = _numbers(a, i), _numbers(b, j)
     return same and bool(np.allclose(x, y, rtol=1e-6, atol=EPS_E, equal_nan=True))
+
+
+def _numbers(block: Block, k: int) -> np.ndarray:
+    """F (that of power-on where none was given), E and the offsets in force after line k."""
+    feed = DEFAULT_FEED if np.isnan(block.feed[k]) else block.feed[k]
+    return np.array([feed, block.e_logical[k], *block.offset[k]])
 
 
 def no_zero_length(before: Reading, after: Reading, pairs: Pairs, printer: Printer) -> list[str]:

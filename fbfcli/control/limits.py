@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 
+CLIPPED = 0.2  # mm: a path along the end of the travel makes a command overshoot it by some hundredths
+
+
 @dataclass(frozen=True)
 class Box:
     """What a command may do. ndarrays of shape (axes,)
@@ -45,14 +48,18 @@ def peaks(u: np.ndarray, begin: np.ndarray, dt: float) -> tuple[np.ndarray, np.n
 def outside(u: np.ndarray, y_d: np.ndarray, begin: np.ndarray, dt: float, box: Box) -> np.ndarray:
     """Stretches whose command leaves the box although the desired motion stays within it, bool, shape (s,).
 
-    Where the desired motion itself is outside (a planner's corner steps), the command may not be worse.
+    Where the desired motion itself is outside (a planner's corner steps), the command may not be worse. Positions beyond
+    the travel by less than CLIPPED are none: see `clip`.
     """
     velocity, acceleration = peaks(u, begin, dt)
     v_desired, a_desired = peaks(y_d, begin, dt)
     bad = (velocity > np.maximum(box.velocity, v_desired)) | (acceleration > np.maximum(box.acceleration, a_desired))
     for axis in range(u.shape[1]):
-        lowest = np.minimum(box.low[axis], np.minimum.reduceat(y_d[:, axis], begin))
-        highest = np.maximum(box.high[axis], np.maximum.reduceat(y_d[:, axis], begin))
-        bad[:, axis] |= np.minimum.reduceat(u[:, axis], begin) < lowest
-        bad[:, axis] |= np.maximum.reduceat(u[:, axis], begin) > highest
+        bad[:, axis] |= np.minimum.reduceat(u[:, axis], begin) < box.low[axis] - CLIPPED
+        bad[:, axis] |= np.maximum.reduceat(u[:, axis], begin) > box.high[axis] + CLIPPED
     return bad.any(axis=1)
+
+
+def clip(u: np.ndarray, box: Box) -> np.ndarray:
+    """The command, shape (n, axes), held at the ends of the travel where it would overshoot them."""
+    return np.clip(u, box.low, box.high)

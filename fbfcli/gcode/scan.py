@@ -27,6 +27,7 @@ _CAPITALS = bytes(range(256)).upper()
 _BLANKS = b" \t\r\v\f"
 _SEMICOLON = re.compile(rb";[^\n]*")
 _COMMENT = re.compile(rb";[^\n]*|\([^)\n]*\)?")
+_EXPONENT = re.compile(rb"[ \t][XYZF][-+]?[0-9.]*[0-9][eE][-+]?[0-9]{2}", re.IGNORECASE)
 _PAD = b"0" * MAX_DIGITS  # so that eights of bytes can be read from before the first digit
 _EIGHT = np.array([(0x0F0F0F0F0F0F0F0F << (64 - 8 * min(n, 8))) % (1 << 64) for n in range(256)], dtype=np.uint64)
 _TEN = 10.0 ** np.arange(MAX_DIGITS + 1)
@@ -100,7 +101,22 @@ def scan(text: bytes, first: int = 0) -> Lines:
         return Lines(text, begin, end, np.empty(0, np.int16), dict.fromkeys(LETTERS, np.empty(0)), first)
     words = _Words.of(_without_comments(text))
     code = words.codes()
-    return Lines(text, begin, end, code, words.columns(code), first)
+    lines = Lines(text, begin, end, code, words.columns(code), first)
+    _refuse_exponents(lines)
+    return lines
+
+
+def _refuse_exponents(lines: Lines) -> None:
+    """A motion line with spaced words and a number like 1e300: firmwares read X1 E300, which nobody means."""
+    byte = np.frombuffer(lines.text, np.uint8)
+    e = np.flatnonzero((byte[1:] | 0x20) == ord("e"))
+    e = e[(byte[e] - ord("0")) <= 9]
+    line = np.unique(np.searchsorted(lines.begin, e, side="right") - 1)
+    for i in line[lines.code[line] != BLANK].tolist():
+        raw = lines.raw(i).partition(b";")[0]
+        if raw.lstrip()[:1] in (b"G", b"g") and _EXPONENT.search(raw):
+            raise GcodeError("numbers in G-code have no exponents", line=lines.first + i + 1,
+                             text=lines.raw(i).decode("utf-8", "replace"), remedy="write the number out")  # fmt: skip
 
 
 def _without_comments(text: bytes) -> bytes:

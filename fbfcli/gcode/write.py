@@ -13,7 +13,7 @@ import numpy as np
 from fbfcli.gcode.words import SCALE, feed_words, g1_lines, to_words
 from fbfcli.units import MM_PER_INCH, S_PER_MIN
 
-NUDGES = 4  # a nudged node may meet its other neighbour
+NUDGES = 16  # a nudged node may meet its other neighbour
 
 
 @dataclass(frozen=True)
@@ -82,11 +82,11 @@ def words_of(nodes: np.ndarray, modes: Modes, real: np.ndarray, movable: np.ndar
     unit = np.where(modes.inch, MM_PER_INCH, 1.0)
     begin = to_words((nodes[:-1] - modes.offset) / unit[:, None])
     end = to_words((nodes[1:] - modes.offset) / unit[:, None])
-    for _ in range(NUDGES):
+    for attempt in range(NUDGES):
         same = real & (begin[:, :3] == end[:, :3]).all(axis=1)
         if not same.any():
             break
-        nudge = _nudges(same, movable)
+        nudge = _nudges(same, movable) * (-2 if attempt % 2 else 1)
         begin[:, 0] += nudge[:-1]
         end[:, 0] += nudge[1:]
     return Words(begin, end, unit, real)

@@ -11,9 +11,10 @@ EPS_MM = 1e-6  # rounding of sums of words
 
 
 def check_travel(moves: Moves, known: np.ndarray, travel: tuple[tuple[float, float], ...]) -> None:
-    """Refuse the first move that ends outside the travel of X or Y.
+    """Refuse the first move that ends outside the travel of an axis.
 
-    known : ndarray of bool, shape (n,)   moves whose start is known
+    known  : ndarray of bool, shape (n,)   moves after which the position is known
+    travel : (low, high) of X, Y, Z [mm]
     Raises GcodeError with the line, the coordinate and the remedy.
     """
     for axis, (low, high) in enumerate(travel):
@@ -22,7 +23,7 @@ def check_travel(moves: Moves, known: np.ndarray, travel: tuple[tuple[float, flo
         if len(bad):
             i = int(bad[0])
             raise GcodeError(
-                f"{'XY'[axis]}{end[i]:g} is outside the printer's travel {low:g} to {high:g} mm",
+                f"{'XYZ'[axis]}{end[i]:g} is outside the printer's travel {low:g} to {high:g} mm",
                 line=int(moves.line[i]) + 1,
                 remedy="move the part on the bed, or correct `travel` in the printer profile",
             )

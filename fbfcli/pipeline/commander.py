@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fbfcli.control.compensator import Compensator, Stream
-from fbfcli.control.limits import Box, outside
+from fbfcli.control.limits import Box, clip, outside
 from fbfcli.errors import LimitError
 from fbfcli.motion.moves import E
 from fbfcli.motion.planner import Part
@@ -226,6 +226,7 @@ class Commander:
             begun = bool(writes or (before and before.begun and len(begin) == 1))
             self._open = _Open(attempts[-1].stream, grid.phase, begun, int(lines[-1]), samples[dropped:])
         here = begin < n
+        command = samples.command[:n] if self._levels[0].name == "none" else clip(samples.command[:n], self._box)
         return Batch(
             grid,
             begin[here],
@@ -234,7 +235,7 @@ class Commander:
             lines[here],
             bool(before and before.begun),
             samples.desired[:n],
-            samples.command[:n],
+            command,
             samples.extruding[:n],
             dropped,
         )

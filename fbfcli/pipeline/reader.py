@@ -80,7 +80,7 @@ class Reader:
         self.moves += len(moves)
         row = moves.line - block.lines.first
         known = np.concatenate([[self._known], block.known])
-        check_travel(moves, known[row + 1], tuple(axis.travel for axis in self._printer.axes[:2]))
+        check_travel(moves, known[row + 1], tuple(axis.travel for axis in self._printer.axes))
         inside = compensable(moves, known[row], self._settings.acceleration)
         self.left_alone += int(np.count_nonzero(~inside & (moves.delta[:, :2] != 0.0).any(axis=1)))
         self._known = bool(known[-1])

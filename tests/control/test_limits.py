@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fbfcli.control.limits import Box, outside, peaks
+from fbfcli.control.limits import CLIPPED, Box, clip, outside, peaks
 
 DT = 1e-3
 sizes = st.lists(st.integers(3, 40), min_size=1, max_size=6)
@@ -35,7 +35,8 @@ def test_peaks_are_those_of_each_stretch_alone(seed, sizes):
 def test_a_stretch_is_outside_where_one_sample_is(seed, sizes, share, name):
     u, begin = stretches(seed, sizes)
     wide = {"low": -1e9, "high": 1e9, "velocity": 1e9, "acceleration": 1e12}
-    most = {"low": u.min(), "high": u.max(), "velocity": peaks(u, begin, DT)[0].max(), "acceleration": peaks(u, begin, DT)[1].max()}
+    velocity, acceleration = peaks(u, begin, DT)
+    most = {"low": u.min(), "high": u.max(), "velocity": velocity.max(), "acceleration": acceleration.max()}
     wide[name] = share * most[name]
     box = Box(**{key: np.full(2, value) for key, value in wide.items()})
     still = np.concatenate([np.repeat(one.mean(axis=0, keepdims=True).clip(wide["low"], wide["high"]), len(one), 0)
@@ -43,15 +44,16 @@ def test_a_stretch_is_outside_where_one_sample_is(seed, sizes, share, name):
     expected = []
     for one in each(u, begin):
         v, a = np.abs(np.diff(one, axis=0)) / DT, np.abs(np.diff(one, 2, axis=0)) / DT**2
-        expected.append((one < wide["low"]).any() or (one > wide["high"]).any() or (v > wide["velocity"]).any()
+        beyond = (one < wide["low"] - CLIPPED).any() or (one > wide["high"] + CLIPPED).any()
+        expected.append(beyond or (v > wide["velocity"]).any()
                         or (a > wide["acceleration"]).any())  # fmt: skip
     np.testing.assert_array_equal(outside(u, still, begin, DT, box), expected)
 
 
 @given(SEEDS, sizes)
-def test_a_command_no_worse_than_the_desired_motion_is_never_outside(seed, sizes):
+def test_a_command_no_faster_than_the_desired_motion_is_never_outside(seed, sizes):
     u, begin = stretches(seed, sizes)
-    tight = Box(np.zeros(2), np.ones(2), np.full(2, 1e-9), np.full(2, 1e-9))
+    tight = Box(np.full(2, -1e9), np.full(2, 1e9), np.full(2, 1e-9), np.full(2, 1e-9))
     assert not outside(u, u, begin, DT, tight).any()
 
 
@@ -59,3 +61,14 @@ def test_a_jump_between_stretches_is_no_motion():
     u = np.array([[0.0, 0], [0, 0], [0, 0], [99, 99], [99, 99], [99, 99]])
     velocity, acceleration = peaks(u, np.array([0, 3]), DT)
     assert not velocity.any() and not acceleration.any()
+
+
+@given(SEEDS, sizes, st.floats(-60, 0), st.floats(0, 60))
+def test_a_clipped_command_stays_on_the_machine_and_is_itself_there(seed, sizes, low, high):
+    u, begin = stretches(seed, sizes)
+    box = Box(np.full(2, low), np.full(2, high), np.full(2, 1e9), np.full(2, 1e12))
+    clipped = clip(u, box)
+    assert clipped.min() >= low and clipped.max() <= high
+    within = (u >= low) & (u <= high)
+    np.testing.assert_array_equal(clipped[within], u[within])
+    assert not outside(clipped, u, begin, DT, box).any()

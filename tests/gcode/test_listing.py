@@ -43,7 +43,19 @@ def test_listings_of_chunks_join_to_the_listing_of_the_file(text, size):
         return
     parts = [listing(block) for block in blocks_of(text, size=size)[0]]
     joined = join(parts)
-    for name in ("number", "kind", "wait", "known", "has_feed", "has_command", "feed", "motion", "xy_relative", "e_relative", "inch"):
+    for name in (
+        "number",
+        "kind",
+        "wait",
+        "known",
+        "has_feed",
+        "has_command",
+        "feed",
+        "motion",
+        "xy_relative",
+        "e_relative",
+        "inch",
+    ):
         np.testing.assert_array_equal(getattr(joined, name), getattr(full, name), err_msg=name)
     np.testing.assert_allclose(joined.e_file, full.e_file, rtol=0, atol=1e-6 + 1e-12 * np.abs(full.e_file).max())
     assert b"".join(joined.raw(i) for i in range(len(joined))) == text.encode()

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from reading_cases import block_of
 
-from fbfcli.gcode.raised import limit_lines, raise_lines, raised, restore_lines, shaper_off
+from fbfcli.gcode.raised import raise_lines, raised, restore_lines, shaper_off
 from fbfcli.printer import FIRMWARES, Limits
 
 speeds, corners = st.floats(1, 999), st.floats(0.1, 30)
@@ -20,11 +20,16 @@ def limits(draw: st.DrawFn, firmware: str) -> Limits:
     deviation = draw(st.sampled_from((nan, 0.02))) if firmware == "marlin" else nan
     top = draw(st.sampled_from((inf, 250.0)))
     return Limits(
-        velocity=draw(speeds), acceleration=draw(st.floats(50, 30000)), travel_acceleration=draw(st.floats(50, 30000)),
-        axis_velocity=(draw(speeds), top, 10.0, 40.0), axis_acceleration=(draw(st.floats(100, 9000)), top, 100.0, 4000.0),
-        jerk=(draw(corners), draw(corners), 0.4, 2.0), junction_deviation=deviation, square_corner_velocity=draw(corners),
+        velocity=draw(speeds),
+        acceleration=draw(st.floats(50, 30000)),
+        travel_acceleration=draw(st.floats(50, 30000)),
+        axis_velocity=(draw(speeds), top, 10.0, 40.0),
+        axis_acceleration=(draw(st.floats(100, 9000)), top, 100.0, 4000.0),
+        jerk=(draw(corners), draw(corners), 0.4, 2.0),
+        junction_deviation=deviation,
+        square_corner_velocity=draw(corners),
         minimum_cruise_ratio=draw(st.sampled_from((0.0, 0.5))),
-    )  # fmt: skip
+    )
 
 
 def in_force(lines: list[str], firmware: str) -> Limits:
@@ -32,27 +37,42 @@ def in_force(lines: list[str], firmware: str) -> Limits:
     return block.moves.limits[block.state[-1]]
 
 
-READ = {"klipper": ("velocity", "acceleration", "square_corner_velocity", "minimum_cruise_ratio"),
-        "marlin": ("acceleration", "travel_acceleration"), "reprapfirmware": ("acceleration", "travel_acceleration", "jerk")}  # fmt: skip
+READ = {
+    "klipper": ("velocity", "acceleration", "square_corner_velocity", "minimum_cruise_ratio"),
+    "marlin": ("acceleration", "travel_acceleration"),
+    "reprapfirmware": ("acceleration", "travel_acceleration"),
+}
 PER_AXIS = ("axis_velocity", "axis_acceleration", "jerk")
+
+
+def same(firmware: str, found: Limits, wanted: Limits, axes: int) -> None:
+    """In all that the firmware reads, of the first so many axes."""
+    for name in READ[firmware]:
+        np.testing.assert_allclose(getattr(found, name), getattr(wanted, name), rtol=1e-5, err_msg=name)
+    for name in PER_AXIS if firmware != "klipper" else ():
+        if name == "jerk" and not isnan(wanted.junction_deviation):
+            continue
+        np.testing.assert_allclose(getattr(found, name)[:axes], getattr(wanted, name)[:axes], rtol=1e-5, err_msg=name)
+    if firmware == "marlin" and not isnan(wanted.junction_deviation):
+        assert found.junction_deviation == pytest.approx(wanted.junction_deviation, rel=1e-5)
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
 @given(st.data())
 def test_lines_put_in_force_what_they_were_made_for(firmware, data):
     wanted = data.draw(limits(firmware))
-    for target in (wanted, raised(firmware, wanted)):
-        found = in_force(limit_lines(firmware, target), firmware)
-        for name in READ[firmware]:
-            np.testing.assert_allclose(getattr(found, name)[:2] if name == "jerk" else getattr(found, name),
-                                       getattr(target, name)[:2] if name == "jerk" else getattr(target, name), rtol=1e-5)  # fmt: skip
-        if firmware != "klipper":
-            for name in ("axis_velocity", "axis_acceleration"):
-                np.testing.assert_allclose(getattr(found, name)[:2], getattr(target, name)[:2], rtol=1e-5)
-        if firmware == "marlin" and not isnan(target.junction_deviation):
-            assert found.junction_deviation == pytest.approx(target.junction_deviation, rel=1e-5)
-        elif firmware == "marlin":
-            np.testing.assert_allclose(found.jerk[:2], target.jerk[:2], rtol=1e-5)
+    same(firmware, in_force(restore_lines(firmware, wanted, Limits()), firmware), wanted, 4)
+    same(firmware, in_force(raise_lines(firmware, wanted), firmware), raised(firmware, wanted), 2)
+
+
+@pytest.mark.parametrize("firmware", FIRMWARES)
+@given(st.data())
+def test_what_did_not_change_in_z_and_e_is_not_told(firmware, data):
+    wanted = data.draw(limits(firmware))
+    lines = raise_lines(firmware, wanted) + restore_lines(firmware, wanted, wanted)
+    assert not [
+        line for line in lines if line.startswith(("M201", "M203", "M205", "M566")) and ("Z" in line or "E" in line)
+    ]
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
@@ -74,8 +94,8 @@ def test_x_and_y_are_raised_and_z_and_e_keep_theirs(firmware, data):
 def test_numbers_have_no_exponent_and_no_infinity(firmware, data):
     """Firmwares read 1e8 as 1."""
     wanted = data.draw(limits(firmware))
-    for line in raise_lines(firmware, wanted) + restore_lines(firmware, wanted):
-        values = [word.split("=")[-1].lstrip("PTXYJBF") for word in line.split()[1:]]
+    for line in raise_lines(firmware, wanted) + restore_lines(firmware, wanted, Limits()):
+        values = [word.split("=")[-1].lstrip("PTRXYZEJBF") for word in line.split()[1:]]
         assert all(set(value) <= set("0123456789.") and value for value in values if '"' not in value), line
 
 
@@ -83,9 +103,10 @@ def test_numbers_have_no_exponent_and_no_infinity(firmware, data):
 def test_the_firmwares_own_shaper_is_switched_off_once_at_the_rise(firmware):
     lines = raise_lines(firmware, Limits(axis_velocity=(9, 9, 9, 9), axis_acceleration=(9, 9, 9, 9), jerk=(9, 9, 9, 9)))
     assert lines[: len(shaper_off(firmware))] == shaper_off(firmware)
-    assert not set(shaper_off(firmware)) & set(restore_lines(firmware, Limits()))
+    assert not set(shaper_off(firmware)) & set(restore_lines(firmware, Limits(), Limits()))
 
 
 def test_an_unlimited_axis_is_not_told():
     """It could not be put back."""
-    assert not [line for line in limit_lines("marlin", Limits()) if line.startswith(("M201", "M203", "M205"))]
+    lines = restore_lines("marlin", Limits(), Limits())
+    assert not [line for line in lines if line.startswith(("M201", "M203", "M205 X"))]

@@ -1,5 +1,7 @@
 """Laws of words: written and read again they are the same integers."""
 
+from itertools import pairwise
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -8,14 +10,16 @@ from fbfcli.gcode.scan import scan
 from fbfcli.gcode.words import SCALE, feed_words, g1_lines, to_words
 
 BIGGEST = 10**7 * SCALE - 1  # seven digits before the point
-words = st.one_of(st.integers(-BIGGEST, BIGGEST), st.integers(-2 * SCALE, 2 * SCALE), st.integers(-300, 300).map(lambda n: n * SCALE))
+words = st.one_of(
+    st.integers(-BIGGEST, BIGGEST), st.integers(-2 * SCALE, 2 * SCALE), st.integers(-300, 300).map(lambda n: n * SCALE)
+)
 rows = st.lists(st.tuples(words, words, words, st.booleans()), min_size=1, max_size=30)
 
 
 @given(rows)
 def test_words_read_back_are_the_same_integers(rows):
     x, y, e, present = (np.array(column) for column in zip(*rows, strict=True))
-    text, offsets = g1_lines([("X", x, None), ("Y", y, None), ("E", e, present)])
+    text, _ = g1_lines([("X", x, None), ("Y", y, None), ("E", e, present)])
     lines = scan(text)
     assert len(lines) == len(rows)
     np.testing.assert_array_equal(to_words(lines.words["X"]), x)
@@ -29,7 +33,7 @@ def test_offsets_say_where_each_line_begins(rows):
     x, y, e, present = (np.array(column) for column in zip(*rows, strict=True))
     text, offsets = g1_lines([("X", x, None), ("Y", y, None), ("E", e, present)])
     assert offsets[0] == 0 and offsets[-1] == len(text)
-    pieces = [text[a:b] for a, b in zip(offsets[:-1], offsets[1:], strict=True)]
+    pieces = [text[a:b] for a, b in pairwise(offsets)]
     assert all(piece.startswith(b"G1 X") and piece.endswith(b"\n") and piece.count(b"\n") == 1 for piece in pieces)
 
 

@@ -25,7 +25,9 @@ def modes_of(n: int, xy_relative: bool, e_relative: bool, inch: bool, offset=(0.
 
 def nodes_of(seed: int, n: int, size: float) -> np.ndarray:
     rng = np.random.default_rng(seed)
-    return np.array([100.0, 80.0, 10.0, 5.0]) + np.cumsum(rng.normal(0, 1, (n + 1, 4)) * [size, size, size / 50, size / 20], axis=0)
+    return np.array([100.0, 80.0, 10.0, 5.0]) + np.cumsum(
+        rng.normal(0, 1, (n + 1, 4)) * [size, size, size / 50, size / 20], axis=0
+    )
 
 
 nodes = st.builds(nodes_of, st.integers(0, 2**32 - 1), st.integers(1, 40), st.sampled_from((1e-6, 1e-4, 0.01, 3.0)))

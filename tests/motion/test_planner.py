@@ -75,7 +75,9 @@ def test_slow_moves_are_divided_without_a_trace(moves, slower):
         mine = tag == i
         np.testing.assert_allclose(pieces.delta[mine].sum(axis=0), slow.delta[i], rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(pieces.start[mine][0], slow.start[i], rtol=1e-9)
-    np.testing.assert_allclose(executed(pieces, "klipper").duration.sum(), executed(slow, "klipper").duration.sum(), rtol=1e-6)
+    np.testing.assert_allclose(
+        executed(pieces, "klipper").duration.sum(), executed(slow, "klipper").duration.sum(), rtol=1e-6
+    )
 
 
 @given(paths(max_size=10), st.integers(0, 10))

@@ -11,7 +11,8 @@ from fbfcli.motion.timing import executed, made_good, timed
 from fbfcli.printer import FIRMWARES, Limits
 
 each_firmware = pytest.mark.parametrize("firmware", FIRMWARES)
-RAISED = Limits(velocity=5000.0, acceleration=1e6, travel_acceleration=1e6, axis_velocity=(2000.0, 2000.0, 20.0, 80.0),
+RAISED = Limits(velocity=5000.0, acceleration=1e6, travel_acceleration=1e6,
+                axis_velocity=(2000.0, 2000.0, 20.0, 80.0),
                 axis_acceleration=(1e6, 1e6, 500.0, 5000.0), jerk=(1000.0, 1000.0, 0.4, 2.5), square_corner_velocity=1e5,
                 minimum_cruise_ratio=0.0)  # fmt: skip
 
@@ -26,7 +27,7 @@ def to_words(v: np.ndarray) -> np.ndarray:
 
 
 def command(seed: int, n: int) -> tuple[Moves, np.ndarray]:
-    """Segments of a command from rest to rest whose acceleration is a hundredth of the raised limit, and their times."""
+    """Segments of a command from rest to rest, a hundredth of the raised acceleration, and their times."""
     rng = np.random.default_rng(seed)
     wanted = rng.integers(3, 30, n) * 1e-3
     bend = np.concatenate([[0.0], rng.normal(0, 1.0, n - 1)])

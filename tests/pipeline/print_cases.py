@@ -22,9 +22,10 @@ LIMITS = Limits(velocity=300.0, acceleration=3000.0, travel_acceleration=4000.0,
                 jerk=(10.0, 9.0, 0.4, 2.5))  # fmt: skip
 
 
-def printer(firmware: str = "marlin", model: Model = SOFT, command_acceleration: float = 30_000.0,
-            rate: float = 300.0) -> Printer:  # fmt: skip
-    x, y = (Axis(name, (-50.0, 300.0), 80.0, 600.0, command_acceleration, model) for name in "xy")
+def printer(
+    firmware: str = "marlin", model: Model = SOFT, command_velocity: float = 600.0, rate: float = 300.0
+) -> Printer:
+    x, y = (Axis(name, (-50.0, 300.0), 80.0, command_velocity, 30_000.0, model) for name in "xy")
     return Printer("test", "", firmware, "cartesian", (x, y, Axis("z", (0.0, 300.0), 400.0)), LIMITS, rate)
 
 
@@ -45,8 +46,9 @@ class Written:
         return read(self.text, self.printer)
 
 
-def compensated(text: str | bytes, machine: Printer | None = None, settings: Settings | None = None,
-                size: int = 1 << 19) -> Written:  # fmt: skip
+def compensated(
+    text: str | bytes, machine: Printer | None = None, settings: Settings | None = None, size: int = 1 << 19
+) -> Written:
     """The pipeline over a text that arrives in chunks of `size` bytes, times filled in."""
     source = text.encode() if isinstance(text, str) else text
     machine = machine or printer()
@@ -82,8 +84,10 @@ LIMIT_LINES = {
     "klipper": ("SET_VELOCITY_LIMIT ACCEL={a}", "M204 S{a}", "SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY=7"),
     "reprapfirmware": ("M204 P{a} T{a}", "M566 X600 Y500", "M201 X{a}"),
 }
-ALL = ("print", "print", "print", "arc", "travel", "retract", "lift", "fan", "fan", "wait", "limits", "reset", "feed", "absolute_e",
-       "relative_e", "relative", "override", "wipe", "spiral", "declare")  # fmt: skip
+ALL = tuple(
+    "print print print arc travel retract lift fan fan wait limits reset feed absolute_e relative_e relative override wipe "
+    "spiral declare".split()
+)
 
 
 def random_print(seed: int, size: int, firmware: str, kinds: tuple[str, ...] = ALL) -> str:
@@ -125,7 +129,8 @@ def random_print(seed: int, size: int, firmware: str, kinds: tuple[str, ...] = A
             lines.append(str(rng.choice(FANS)).format(rng.integers(10)))
         elif kind == "wait":
             lines.append(str(rng.choice(WAITS)))
-            lines += ["G90", f"G1 X{at[0]:.3f} Y{at[1]:.3f}", "G91" if relative else "G90", "M82" if absolute_e else "M83"]
+            lines += ["G90", f"G1 X{at[0]:.3f} Y{at[1]:.3f}"]
+            lines += ["G91" if relative else "G90", "M82" if absolute_e else "M83"]
         elif kind == "limits":
             lines.append(str(rng.choice(LIMIT_LINES[firmware])).format(a=rng.choice((800, 2500, 6000))))
         elif kind == "reset":

@@ -1,6 +1,7 @@
 """Laws of a whole compensated file: nothing lost, nothing moved, limits put back, however the text arrives."""
 
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -18,14 +19,27 @@ from fbfcli.printer import FIRMWARES
 
 DEFERRED = b"; fbf: "
 POSITION_MM = 2e-5  # two words rounded to five decimals
-# two chords of one command: 1.5 tolerances each, and what Marlin's shortest segment leaves over
-SAME_PATH_MM = {"klipper": 0.02, "reprapfirmware": 0.02, "marlin": 0.3}
+FAST = 1000.0  # segments per second: tolerances bind, not the firmware
+# half a millisecond at 200 mm/s, and what Marlin's shortest segment leaves over
+SAME_PATH_MM = {"klipper": 0.1, "reprapfirmware": 0.1, "marlin": 0.3}
 each_firmware = pytest.mark.parametrize("firmware", FIRMWARES)
 few = settings(max_examples=25)
 LPFBS, ZV, NONE = (Settings(method=name, patch_times=False) for name in ("lpfbs", "zv", "none"))
 DRAWN = ("print", "print", "arc", "travel", "wipe")
-# the kinds after which a slicer's file leads to the same place whatever was done in between
-STREAMED = ("print", "print", "print", "travel", "fan", "limits", "reset", "feed", "wipe", "spiral", "absolute_e", "relative_e")
+STREAMED = (
+    "print",
+    "print",
+    "print",
+    "travel",
+    "fan",
+    "limits",
+    "reset",
+    "feed",
+    "wipe",
+    "spiral",
+    "absolute_e",
+    "relative_e",
+)
 
 
 def bare(line: bytes) -> bytes:
@@ -69,7 +83,9 @@ def test_every_line_without_motion_is_written_once_and_in_its_order(firmware, da
     found = [re.sub(rb"^G92 E.*", b"G92 E", bare(line)) for line in written.lines]
     assert in_order(wanted, found) is None
     for line in set(wanted) - {b""}:
-        extra = line.startswith((b"M20", b"M566", b"SET_VELOCITY_LIMIT"))  # these are also put in front of and after runs
+        extra = line.startswith(
+            (b"M20", b"M566", b"SET_VELOCITY_LIMIT")
+        )  # these are also put in front of and after runs
         assert extra or found.count(line) == wanted.count(line)
 
 
@@ -92,7 +108,8 @@ def test_limits_at_every_barrier_and_at_the_end_are_the_files_own(firmware, data
     sets = []
     for text in (written.source, written.text):
         block = read(text, written.printer)
-        at = [i for i in np.flatnonzero(block.kind == Kind.BARRIER) if not re.match(rb"M593|SET_INPUT", block.lines.raw(i))]
+        barriers = np.flatnonzero(block.kind == Kind.BARRIER)
+        at = [i for i in barriers if not re.match(rb"M593|SET_INPUT", block.lines.raw(i))]
         sets.append([block.moves.limits[block.state[i]] for i in [*at, -1]])
     assert sets[0] == sets[1]
 
@@ -101,7 +118,7 @@ def test_limits_at_every_barrier_and_at_the_end_are_the_files_own(firmware, data
 @few
 @given(st.data())
 def test_no_limit_line_acts_while_limits_are_raised(firmware, data):
-    """What the file says of limits inside a run waits as a comment: every set in force is the file's or a raised one."""
+    """What the file says of limits inside a run waits as a comment: segments are under raised ones."""
     kinds = ("print", "print", "travel", "limits", "limits", "fan", "retract", "wait")
     written = compensated(data.draw(prints(firmware, kinds)), printer(firmware), LPFBS)
     moves = written.block().moves
@@ -117,8 +134,8 @@ def test_no_limit_line_acts_while_limits_are_raised(firmware, data):
 @given(st.data(), st.integers(1, 400))
 def test_the_output_does_not_depend_on_how_the_text_arrives(firmware, data, size):
     text = data.draw(prints(firmware, STREAMED))
-    whole = compensated(text, printer(firmware), LPFBS)
-    pieces = compensated(text, printer(firmware), LPFBS, size=size)
+    whole = compensated(text, printer(firmware, rate=FAST), LPFBS)
+    pieces = compensated(text, printer(firmware, rate=FAST), LPFBS, size=size)
     assert kept_lines(whole.text, whole.printer) == kept_lines(pieces.text, whole.printer)
     assert pieces.done.time == pytest.approx(whole.done.time, abs=5e-3)
     same_path(whole, pieces, SAME_PATH_MM[firmware])
@@ -128,37 +145,40 @@ def test_the_output_does_not_depend_on_how_the_text_arrives(firmware, data, size
 @pytest.mark.parametrize("how", (LPFBS, ZV, NONE), ids=lambda how: how.method)
 def test_a_stretch_in_parts_is_the_stretch_in_one_piece(monkeypatch, firmware, how):
     text = random_print(5, 60, firmware, ("print", "wipe", "fan"))
-    whole = compensated(text, printer(firmware), how)
+    whole = compensated(text, printer(firmware, rate=FAST), how)
     monkeypatch.setattr(planner, "PART_S", 0.4)
-    parts = compensated(text, printer(firmware), how)
+    parts = compensated(text, printer(firmware, rate=FAST), how)
     assert kept_lines(whole.text, whole.printer) == kept_lines(parts.text, whole.printer)
     assert parts.done.time == pytest.approx(whole.done.time, abs=2e-3)
     same_path(whole, parts, SAME_PATH_MM[firmware])
     for name in ("follow_error", "contour_before", "contour_after"):
         a, b = (getattr(one.done.summary, name).rms for one in (whole, parts))
-        assert b == pytest.approx(a, rel=0.1, abs=0.5)
+        assert b == pytest.approx(a, rel=0.4 if firmware == "marlin" else 0.1, abs=0.5)
 
 
 @each_firmware
 @few
 @given(st.data(), st.sampled_from((LPFBS, ZV, NONE)))
 def test_the_time_told_is_the_time_the_firmware_takes(firmware, data, how):
-    """Within 2 % and never more: a planner does not halt between a stretch and a lift or a retraction."""
-    written = compensated(data.draw(prints(firmware, ("print", "print", "travel", "fan", "retract", "limits", "lift", "wait"))),
-                          printer(firmware), how)  # fmt: skip
-    assert written.done.summary.time == pytest.approx(print_time(written.text, written.printer), rel=0.02, abs=2e-3)
-    assert written.done.summary.time_as_sliced == pytest.approx(print_time(written.source, written.printer), rel=1e-9)
+    """Within 2 %: a planner does not halt between a stretch and a lift or a retraction."""
+    kinds = ("print", "print", "travel", "fan", "retract", "limits", "lift", "wait")
+    written = compensated(data.draw(prints(firmware, kinds)), printer(firmware), how)
+    summary, machine = written.done.summary, written.printer
+    assert summary.time == pytest.approx(print_time(written.text, machine), rel=0.02, abs=2e-3)
+    assert summary.time_as_sliced == pytest.approx(print_time(written.source, machine), rel=1e-9)
 
 
 @each_firmware
 @few
 @given(st.data())
 def test_written_segments_keep_the_clock(firmware, data):
-    """Planned travel and print moves, E within its limits: 50 ppm, or 50 us of a short print."""
+    """Travel and print moves, E within its limits: 50 ppm, or 50 us of a short print."""
     kinds = ("travel", "fan", "print")
-    summary = compensated(data.draw(prints(firmware, kinds)), printer(firmware), LPFBS).done.summary
-    assert abs(summary.clock_drift_ppm) < 50.0 + 50.0 / max(summary.time, 1e-3)
-    assert summary.follow_error.max < (400.0 if firmware == "marlin" else 40.0)  # Marlin drops short segments
+    summary = compensated(data.draw(prints(firmware, kinds)), printer(firmware, rate=FAST), LPFBS).done.summary
+    compensated_s = summary.segments / max(summary.segments_per_second, 1e-9)
+    assert abs(summary.clock_drift_ppm) * compensated_s < 50.0 + 50.0 * compensated_s
+    # Marlin drops short segments, RepRapFirmware speeds slow ones up: they are made longer, and follow less well
+    assert summary.follow_error.max < {"klipper": 40.0, "marlin": 400.0, "reprapfirmware": 100.0}[firmware]
 
 
 @each_firmware
@@ -171,39 +191,43 @@ def test_a_rigid_machine_uncompensated_has_no_error_of_its_own(firmware, data):
     assert summary.contour_after.max <= summary.follow_error.max + 1e-6
 
 
+def told_anew(moves, xy_relative: bool, e_relative: bool) -> str:
+    """Moves as lines in other modes; G91 moves E too in Marlin and Klipper, so it comes with M83."""
+    lines, e = [START + ("G91" if xy_relative else "G90"), "M83" if e_relative else "M82\nG92 E0"], 0.0
+    for start, delta, speed in zip(moves.start[2:], moves.delta[2:], moves.speed[2:], strict=True):
+        before, after = np.round(start[:2], 3), np.round(start[:2] + delta[:2], 3)
+        x, y = after - before if xy_relative else after
+        pushed = round(delta[3], 5)
+        e = round(e + pushed, 5)
+        lines.append(f"G1 X{x:.3f} Y{y:.3f} E{pushed if e_relative else e:.5f} F{60 * speed:.3f}")
+    return "\n".join(lines) + "\n"
+
+
 @each_firmware
 @few
 @given(st.data())
 def test_relative_and_absolute_words_lead_along_the_same_path(firmware, data):
-    """The same motion asked for in G90, G91, M82 and M83."""
-    text = data.draw(prints(firmware, DRAWN[:2]))
-    moves = read(text, printer(firmware)).moves
-    texts = []
-    for xy_relative in (False, True):
-        for e_relative in (True, False):
-            lines, e = [START + ("G91" if xy_relative else "G90"), "M83" if e_relative or xy_relative else "M82\nG92 E0"], 0.0
-            for start, delta, speed in zip(moves.start[2:], moves.delta[2:], moves.speed[2:], strict=True):
-                xy = np.round(delta[:2], 3) if xy_relative else np.round(start + delta, 3)[:2]
-                e = round(e + round(delta[3], 5), 5)
-                pushed = round(delta[3], 5) if e_relative or xy_relative else e
-                lines.append(f"G1 X{xy[0]:.3f} Y{xy[1]:.3f} E{pushed:.5f} F{60 * speed:.3f}")
-            texts.append("\n".join(lines) + "\n")
-    written = [compensated(text, printer(firmware), LPFBS) for text in texts]
-    for other in written[1:]:
-        same_path(written[0], other, SAME_PATH_MM[firmware])
-        np.testing.assert_allclose(end_of(other.block().moves)[:3], end_of(written[0].block().moves)[:3], atol=2e-3)
+    """The same motion asked for in G90 and G91, M82 and M83."""
+    machine = printer(firmware, rate=FAST)
+    moves = read(data.draw(prints(firmware, DRAWN[:2], 10)), machine).moves
+    modes = ((False, True), (False, False), (True, True))
+    first, *others = (compensated(told_anew(moves, *mode), machine, LPFBS) for mode in modes)
+    for other in others:
+        same_path(first, other, SAME_PATH_MM[firmware])
+        np.testing.assert_allclose(end_of(other.block().moves), end_of(first.block().moves), atol=POSITION_MM)
 
 
 @pytest.mark.parametrize("firmware", ("klipper", "reprapfirmware"))
 def test_a_slowed_stretch_takes_the_same_path(firmware):
-    text = START + "G1 X140 Y100 E1 F9000\nG1 X140 Y140 E1\nG1 X100 Y100 E1\n"
-    fast, slow = (compensated(text, printer(firmware, command_acceleration=a), ZV) for a in (30_000.0, 2_500.0))
+    square = "G1 X140 Y100 E1 F9000\nG1 X140 Y140 E1\nG1 X100 Y100 E1\n"
+    text = START + square + "G4 P10\nG1 X101 Y101 F600\n"
+    fast, slow = (compensated(text, printer(firmware, command_velocity=v), LPFBS) for v in (600.0, 150.5))
     assert fast.done.summary.slowed == 0 and slow.done.summary.slowed == 1 and slow.done.summary.slowest > 1.0
     assert slow.done.time > fast.done.time
     corners = np.array([[100, 100], [140, 100], [140, 140], [100, 100]], float)
     moves = slow.block().moves
-    for point in (moves.start + moves.delta)[2:, :2]:
-        assert min(_to_segment(point, a, b) for a, b in zip(corners[:-1], corners[1:], strict=True)) < 0.6
+    for point in (moves.start + moves.delta)[2:-20, :2]:
+        assert min(_to_segment(point, a, b) for a, b in pairwise(corners)) < 0.4
     np.testing.assert_allclose(end_of(moves), end_of(fast.block().moves), atol=POSITION_MM)
 
 
@@ -216,18 +240,20 @@ def _to_segment(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> float:
 @few
 @given(st.data(), st.sampled_from((LPFBS, ZV, NONE)))
 def test_no_segment_is_without_length(firmware, data, how):
-    written = compensated(data.draw(prints(firmware, (*DRAWN, "relative", "wait", "limits"))), printer(firmware), how)
+    """A firmware drops those, and their time; the file's own lines may be so."""
+    kinds = (*DRAWN, "relative", "wait", "limits")
+    written = compensated(data.draw(prints(firmware, kinds)), printer(firmware), how)
     block = written.block()
-    given_lines = {bare(line) for line in written.source.splitlines()}
-    moving = set(block.moves.line.tolist())
-    for i in np.flatnonzero((block.kind == Kind.MOTION) & ~np.isnan(block.lines.words["X"])):
-        raw = bare(block.lines.raw(i))
-        assert i in moving or raw in given_lines or raw.split(b" F")[0] in {line.split(b" F")[0] for line in given_lines}
+    own = {bare(line) for line in written.source.splitlines()}
+    still = (block.kind == Kind.MOTION) & ~np.isnan(block.lines.words["X"])
+    still[block.moves.line] = False
+    assert {bare(block.lines.raw(i)) for i in np.flatnonzero(still)} <= own
 
 
 @each_firmware
 def test_moves_of_z_and_e_alone_pass_as_they_were_written(firmware):
-    text = START + "G1 X120 Y100 E1 F3000\nG1 E-0.8 F2100\nG1 Z0.7 F900\nG1 X100 Y100 F9000\nG1 Z0.3\nG1 E0.8 F2100\nG1 X110 E1 F3000\n"
+    text = START + "G1 X120 Y100 E1 F3000\nG1 E-0.8 F2100\nG1 Z0.7 F900\nG1 X100 Y100 F9000\nG1 Z0.3\n"
+    text += "G1 E0.8 F2100\nG1 X110 E1 F3000\n"
     lines = compensated(text, printer(firmware), LPFBS).lines
     assert in_order([b"G1 E-0.8 F2100", b"G1 Z0.7 F900", b"G1 Z0.3", b"G1 E0.8 F2100"], lines) is None
     before = lines[lines.index(b"G1 Z0.3") - 1]
@@ -251,7 +277,8 @@ def test_an_empty_file_is_refused():
 
 @each_firmware
 def test_time_lines_tell_the_time_of_the_written_file(firmware):
-    text = "; generated by a test\n;TIME:99\nM73 P0 R9\n" + START + "G1 X120 Y100 E1 F600\nM73 P50 R5\nG1 X100 Y100 E1 F300\nM400\nM73 P100 R0\n"
+    text = "; generated by a test\n;TIME:99\nM73 P0 R9\n" + START
+    text += "G1 X120 Y100 E1 F600\nM73 P50 R5\nG1 X100 Y100 E1 F300\nM400\nM73 P100 R0\n"
     written = compensated(text, printer(firmware), Settings(method="lpfbs"))
     total = written.done.time
     lines = [line.rstrip() for line in written.lines]
