@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from part_cases import PART
 
 # machines that are shared are slow at times: no deadline
 settings.register_profile("fbf", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True)
@@ -16,3 +17,21 @@ settings.load_profile("fbf")
 def root() -> Path:
     """Top of the repository."""
     return Path(__file__).parents[1]
+
+
+@pytest.fixture
+def nobody(monkeypatch, tmp_path, root):
+    """A user without a printer, in an empty folder."""
+    monkeypatch.delenv("FBF_PRINTER", raising=False)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("PYTHONPATH", str(root))
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+
+
+@pytest.fixture
+def part(tmp_path) -> Path:
+    """A small print in a folder of its own, with a blank in its name."""
+    file = tmp_path / "prints" / "my part.gcode"
+    file.parent.mkdir()
+    file.write_text(PART)
+    return file

@@ -9,29 +9,13 @@ import signal
 import stat
 import subprocess
 import time
-from pathlib import Path
 
 import pytest
 from part_cases import COMPENSATE, PART, ROOT, names, one_line, run
 
 from fbfcli.cli import main
 
-
-@pytest.fixture(autouse=True)
-def nobody(monkeypatch, tmp_path):
-    """A user without a printer, in an empty folder."""
-    monkeypatch.delenv("FBF_PRINTER", raising=False)
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
-    monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
-
-
-@pytest.fixture
-def part(tmp_path) -> Path:
-    file = tmp_path / "prints" / "my part.gcode"
-    file.parent.mkdir()
-    file.write_text(PART)
-    return file
+pytestmark = pytest.mark.usefixtures("nobody")
 
 
 @pytest.mark.parametrize(("bad", "told"), [

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
 CLIPPED = 0.2  # mm: a path along the end of the travel makes a command overshoot it by some hundredths
 
 
@@ -48,8 +47,8 @@ def peaks(u: np.ndarray, begin: np.ndarray, dt: float) -> tuple[np.ndarray, np.n
 def outside(u: np.ndarray, y_d: np.ndarray, begin: np.ndarray, dt: float, box: Box) -> np.ndarray:
     """Stretches whose command leaves the box although the desired motion stays within it, bool, shape (s,).
 
-    Where the desired motion itself is outside (a planner's corner steps), the command may not be worse. Positions beyond
-    the travel by less than CLIPPED are none: see `clip`.
+    Where the desired motion itself is outside (a planner's corner steps), the command may not be worse. Positions
+    beyond the travel by less than CLIPPED do not count: see `clip`.
     """
     velocity, acceleration = peaks(u, begin, dt)
     v_desired, a_desired = peaks(y_d, begin, dt)

@@ -27,7 +27,7 @@ def position(moves, p: Profile, t0, t: float) -> np.ndarray:
     i = max(int(np.searchsorted(t0[:-1], t, side="right")) - 1, 0)
     tau = min(max(t - t0[i], 0.0), p.duration[i])
     up, flat = min(tau, p.t_accel[i]), min(max(tau - p.t_accel[i], 0.0), p.t_cruise[i])
-    down = tau - up - flat
+    down = tau - up - flat if p.t_decel[i] > 0 else 0.0  # not what rounding left over
     s = p.v_start[i] * up + p.v_cruise[i] * (flat + down)
     if up:
         s += (p.v_cruise[i] - p.v_start[i]) / p.t_accel[i] * up**2 / 2

@@ -11,10 +11,11 @@ from fbfcli.motion.timing import executed, made_good, timed
 from fbfcli.printer import FIRMWARES, Limits
 
 each_firmware = pytest.mark.parametrize("firmware", FIRMWARES)
-RAISED = Limits(velocity=5000.0, acceleration=1e6, travel_acceleration=1e6,
-                axis_velocity=(2000.0, 2000.0, 20.0, 80.0),
-                axis_acceleration=(1e6, 1e6, 500.0, 5000.0), jerk=(1000.0, 1000.0, 0.4, 2.5), square_corner_velocity=1e5,
-                minimum_cruise_ratio=0.0)  # fmt: skip
+RAISED = Limits(
+    velocity=5000.0, acceleration=1e6, travel_acceleration=1e6, axis_velocity=(2000.0, 2000.0, 20.0, 80.0),
+    axis_acceleration=(1e6, 1e6, 500.0, 5000.0), jerk=(1000.0, 1000.0, 0.4, 2.5), square_corner_velocity=1e5,
+    minimum_cruise_ratio=0.0,
+)  # fmt: skip
 
 
 def exact(v: np.ndarray) -> np.ndarray:

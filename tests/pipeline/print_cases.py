@@ -84,10 +84,10 @@ LIMIT_LINES = {
     "klipper": ("SET_VELOCITY_LIMIT ACCEL={a}", "M204 S{a}", "SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY=7"),
     "reprapfirmware": ("M204 P{a} T{a}", "M566 X600 Y500", "M201 X{a}"),
 }
-ALL = tuple(
-    "print print print arc travel retract lift fan fan wait limits reset feed absolute_e relative_e relative override wipe "
-    "spiral declare".split()
-)
+# fmt: off
+ALL = ("print", "print", "print", "arc", "travel", "retract", "lift", "fan", "fan", "wait", "limits", "reset", "feed",
+       "absolute_e", "relative_e", "relative", "override", "wipe", "spiral", "declare")
+# fmt: on
 
 
 def random_print(seed: int, size: int, firmware: str, kinds: tuple[str, ...] = ALL) -> str:
