@@ -36,7 +36,7 @@ Pairs = list[tuple[int, int]]  # lines of the input and of the output that are t
 DEFERRED = b"; fbf: "
 OURS = re.compile(rb"G1(?: [XYZEF]-?\d{1,7}(?:\.\d{1,5})?)+")
 ABSURD = re.compile(rb"^[ \t]*G[0-3][^;(\n]*?(?:nan|inf|\d{8}|\d[eE][-+]\d)", re.IGNORECASE | re.MULTILINE)
-_ADDED = re.compile(rb"; fbf |M593|SET_INPUT_SHAPER|M205 B|M20[1345] |M566 |SET_VELOCITY_LIMIT ")
+_ADDED = re.compile(rb"; fbf |M593|M493|SET_INPUT_SHAPER|M205 B|M20[1345] |M566 |SET_VELOCITY_LIMIT ")
 _NUMBERED = re.compile(rb"^\s*[Nn]\s*\d+\s*")
 _CHECKSUM = re.compile(rb"\s*\*\d+[ \t]*(?=\r?$|;)")
 _FIGURES = re.compile(rb"(?:[\d.]+[ \t]*[dhms]?[ \t]*)+(?:\r?$)?")

@@ -57,7 +57,7 @@ def shaper_off(firmware: str) -> list[str]:
     if firmware == "klipper":
         return ["SET_INPUT_SHAPER SHAPER_FREQ_X=0 SHAPER_FREQ_Y=0"]
     if firmware == "marlin":
-        return ["M593 F0"]
+        return ["M593 F0", "M493 S0"]  # a build without the one or the other answers "unknown command" and goes on
     return ['M593 P"none"']
 
 

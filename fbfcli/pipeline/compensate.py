@@ -75,7 +75,7 @@ def compensate(
     tally = Tally([(plant.b, plant.a) for plant in plants])
     told = stamp(__version__, f'printer="{printer.name}" {settings.told()}')
     commander = Commander(compensator_of(plants, settings), _box(printer), settings.dt)
-    segmenter = Segmenter(printer.firmware, budget, settings.dt)
+    segmenter = Segmenter(printer, budget, settings.dt)
     scribe = Scribe(printer.firmware, printer.limits, segmenter, tally, write, told, settings.patch_times)
     reader = Reader(printer, settings)
     for portion in reader.portions(chunks, progress):

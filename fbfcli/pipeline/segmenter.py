@@ -11,6 +11,7 @@ from fbfcli.gcode.placement import Places, forced, segment_of
 from fbfcli.gcode.raised import raised
 from fbfcli.gcode.words import SCALE
 from fbfcli.gcode.write import Modes, Words, feed_of, speed_of, words_of
+from fbfcli.motion.extrusion import check_extrusion
 from fbfcli.motion.moves import Moves
 from fbfcli.motion.nodes import Budget, break_points, fit, thinned
 from fbfcli.motion.planner import Part
@@ -18,7 +19,7 @@ from fbfcli.motion.profile import Profile
 from fbfcli.motion.stretches import kinks
 from fbfcli.motion.timing import lateness, timed
 from fbfcli.pipeline.commander import Batch
-from fbfcli.printer import Limits
+from fbfcli.printer import Limits, Printer
 
 
 @dataclass(frozen=True)
@@ -57,8 +58,8 @@ class Segments:
 class Segmenter:
     """Cuts the commands of one file into segments, batch by batch."""
 
-    def __init__(self, firmware: str, budget: Budget, dt: float):
-        self._firmware, self._budget, self.dt = firmware, budget, dt
+    def __init__(self, printer: Printer, budget: Budget, dt: float):
+        self._printer, self._budget, self.dt = printer, budget, dt
         self._late = 0.0  # where a stretch goes on in the next batch [s]
 
     def segments(self, batch: Batch, part: Part, places: Places, before: Modes, bases: list[Limits]) -> Segments:
@@ -111,14 +112,17 @@ class Segmenter:
             stop=stop[here],
             state=np.array([limits.index(base) for base in bases])[stretch],
             line=np.zeros(len(here), dtype=np.int64),
-            limits=tuple(raised(self._firmware, base) for base in limits),
+            limits=tuple(raised(self._printer.firmware, base) for base in limits),
         )
+        if self._printer.firmware == "klipper":
+            nozzle, filament = self._printer.nozzle_diameter, self._printer.filament_diameter
+            check_extrusion(moves, nozzle, filament, self._printer.max_extrude_cross_section)
         wanted = np.diff(node)[here] * self.dt
 
         def quantise(speed: np.ndarray) -> np.ndarray:
             return speed_of(feed_of(speed, unit, factor), unit, factor)
 
-        moves, done = timed(moves, wanted, self._late, self._firmware, quantise, batch.begun, batch.goes_on)
+        moves, done = timed(moves, wanted, self._late, self._printer.firmware, quantise, batch.begun, batch.goes_on)
         late, starts = self._late, np.flatnonzero(moves.stop)
         self._late = float(lateness(done.duration - wanted, starts, late)[-1]) if batch.goes_on else 0.0
         feed = np.zeros(len(words.real), dtype=np.int64)

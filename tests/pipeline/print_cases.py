@@ -60,6 +60,16 @@ def compensated(
     return Written(source, out.getvalue(), done, machine)
 
 
+def bare(line: bytes) -> bytes:
+    return line.strip().removeprefix(DEFERRED)
+
+
+def in_order(wanted: list[bytes], found: list[bytes]) -> bytes | None:
+    """The first of `wanted` that does not follow those before it in `found`."""
+    rest = iter(found)
+    return next((line for line in wanted if not any(line == other for other in rest)), None)
+
+
 def read(text: str | bytes, machine: Printer) -> Block:
     source = text.encode() if isinstance(text, str) else text
     return interpret(scan(source), initial_state(machine), machine)[0]
@@ -76,6 +86,7 @@ def print_time(text: str | bytes, machine: Printer) -> float:
     return float(executed(block.moves, machine.firmware).duration.sum() + block.wait.sum())
 
 
+DEFERRED = b"; fbf: "
 START = "G28\nG90\nM83\nG1 Z0.3 F900\nG1 X100 Y100 F6000\n"
 FANS = ("M106 S{}", "M117 layer {}", "; comment {}", "M104 S2{}", ";TYPE:wall {}", "", "M73 P1{}")
 WAITS = ("G4 P30", "M400", "MY_MACRO A=1", "M190 S60", "T0", "G4 P1")

@@ -1,13 +1,24 @@
 """Laws of a whole compensated file: nothing lost, nothing moved, limits put back, however the text arrives."""
 
 import re
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from print_cases import RIGID, START, compensated, end_of, print_time, printer, prints, random_print, read
+from print_cases import (
+    RIGID,
+    START,
+    bare,
+    compensated,
+    end_of,
+    in_order,
+    print_time,
+    printer,
+    prints,
+    random_print,
+    read,
+)
 
 from fbfcli.errors import GcodeError
 from fbfcli.gcode.dialects import Kind
@@ -17,7 +28,6 @@ from fbfcli.motion.timing import executed
 from fbfcli.pipeline import Settings
 from fbfcli.printer import FIRMWARES
 
-DEFERRED = b"; fbf: "
 POSITION_MM = 2e-5  # two words rounded to five decimals
 FAST = 1000.0  # segments per second: tolerances bind, not the firmware
 # half a millisecond at 200 mm/s, and what Marlin's shortest segment leaves over
@@ -42,21 +52,11 @@ STREAMED = (
 )
 
 
-def bare(line: bytes) -> bytes:
-    return line.strip().removeprefix(DEFERRED)
-
-
 def kept_lines(text: bytes, machine) -> list[bytes]:
     """Every line of a file that is no motion; of G92 E only that it is one: its number follows the machine."""
     kinds = read(text, machine).kind
     lines = [bare(line) for line, kind in zip(text.splitlines(), kinds, strict=True) if kind != Kind.MOTION]
     return [re.sub(rb"^G92 E.*", b"G92 E", line) for line in lines]
-
-
-def in_order(wanted: list[bytes], found: list[bytes]) -> bytes | None:
-    """The first of `wanted` that does not follow those before it in `found`."""
-    rest = iter(found)
-    return next((line for line in wanted if not any(line == other for other in rest)), None)
 
 
 def followed(written, dt: float = 5e-3) -> np.ndarray:
@@ -98,35 +98,6 @@ def test_the_file_ends_where_it_did_with_as_much_pushed(firmware, data, how):
     np.testing.assert_allclose(end_of(after.moves), end_of(before.moves), atol=POSITION_MM)
     np.testing.assert_allclose(after.e_logical[-1], before.e_logical[-1], atol=POSITION_MM)
     np.testing.assert_allclose(after.offset[-1], before.offset[-1], atol=POSITION_MM)
-
-
-@each_firmware
-@few
-@given(st.data(), st.sampled_from((LPFBS, ZV)))
-def test_limits_at_every_barrier_and_at_the_end_are_the_files_own(firmware, data, how):
-    written = compensated(data.draw(prints(firmware)), printer(firmware), how)
-    sets = []
-    for text in (written.source, written.text):
-        block = read(text, written.printer)
-        barriers = np.flatnonzero(block.kind == Kind.BARRIER)
-        at = [i for i in barriers if not re.match(rb"M593|SET_INPUT", block.lines.raw(i))]
-        sets.append([block.moves.limits[block.state[i]] for i in [*at, -1]])
-    assert sets[0] == sets[1]
-
-
-@each_firmware
-@few
-@given(st.data())
-def test_no_limit_line_acts_while_limits_are_raised(firmware, data):
-    """What the file says of limits inside a run waits as a comment: segments are under raised ones."""
-    kinds = ("print", "print", "travel", "limits", "limits", "fan", "retract", "wait")
-    written = compensated(data.draw(prints(firmware, kinds)), printer(firmware), LPFBS)
-    moves = written.block().moves
-    flat = (moves.delta[:, :2] != 0.0).any(axis=1) & (moves.line > written.lines.index(b"G1 X100 Y100 F6000"))
-    verbatim = {bare(line) for line in written.source.splitlines()}
-    segments = np.flatnonzero(flat & [written.lines[i] not in verbatim for i in moves.line])
-    acceleration = moves.limit("acceleration")[segments]
-    assert not len(acceleration) or acceleration.min() >= 1e6
 
 
 @each_firmware
@@ -217,25 +188,6 @@ def test_relative_and_absolute_words_lead_along_the_same_path(firmware, data):
         np.testing.assert_allclose(end_of(other.block().moves), end_of(first.block().moves), atol=POSITION_MM)
 
 
-@pytest.mark.parametrize("firmware", ("klipper", "reprapfirmware"))
-def test_a_slowed_stretch_takes_the_same_path(firmware):
-    square = "G1 X140 Y100 E1 F9000\nG1 X140 Y140 E1\nG1 X100 Y100 E1\n"
-    text = START + square + "G4 P10\nG1 X101 Y101 F600\n"
-    fast, slow = (compensated(text, printer(firmware, command_velocity=v), LPFBS) for v in (600.0, 150.5))
-    assert fast.done.summary.slowed == 0 and slow.done.summary.slowed == 1 and slow.done.summary.slowest > 1.0
-    assert slow.done.time > fast.done.time
-    corners = np.array([[100, 100], [140, 100], [140, 140], [100, 100]], float)
-    moves = slow.block().moves
-    for point in (moves.start + moves.delta)[2:-20, :2]:
-        assert min(_to_segment(point, a, b) for a, b in pairwise(corners)) < 0.4
-    np.testing.assert_allclose(end_of(moves), end_of(fast.block().moves), atol=POSITION_MM)
-
-
-def _to_segment(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> float:
-    s = np.clip((p - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
-    return float(np.hypot(*(p - a - s * (b - a))))
-
-
 @each_firmware
 @few
 @given(st.data(), st.sampled_from((LPFBS, ZV, NONE)))
@@ -258,27 +210,6 @@ def test_moves_of_z_and_e_alone_pass_as_they_were_written(firmware):
     assert in_order([b"G1 E-0.8 F2100", b"G1 Z0.7 F900", b"G1 Z0.3", b"G1 E0.8 F2100"], lines) is None
     before = lines[lines.index(b"G1 Z0.3") - 1]
     assert before == b"G1 F9000", "its F is put back"
-
-
-def hardest_joint(text: bytes, machine) -> float:
-    """Highest speed at which a move of Z or E alone joins one of X and Y [mm/s]."""
-    moves = read(text, machine).moves
-    timing = executed(moves, machine.firmware)
-    flat = (moves.delta[:, :2] != 0.0).any(axis=1)
-    begins, ends = ~flat[1:] & flat[:-1], ~flat[:-1] & flat[1:]
-    return float(max(timing.v_start[1:][begins].max(initial=0.0), timing.v_end[:-1][ends].max(initial=0.0)))
-
-
-@pytest.mark.parametrize("how", (LPFBS, ZV), ids=lambda how: how.method)
-@each_firmware
-def test_z_and_e_are_not_jerked_by_raised_limits(firmware, how):
-    """Limits stay raised beside a lift or a retraction; the segments there are slow."""
-    machine, before, after = printer(firmware), 0.0, 0.0
-    for seed in range(20):
-        text = random_print(seed, 15, firmware, ("print", "print", "lift", "retract"))
-        before = max(before, hardest_joint(text.encode(), machine))
-        after = max(after, hardest_joint(compensated(text, machine, how).text, machine))
-    assert after <= 1.05 * before
 
 
 @each_firmware
