@@ -11,7 +11,7 @@ TAZ 6              39/15.8   7.6/3.0   7.2/1.9   6.9/1.9      4.7/4.8   12/1.4  
 HICTOP             46/13.6   3.4/2.4   2.9/1.8   2.1/1.8      3.2/2.8   4.1/1.9       2.6/1.8   4.1/1.5   7.7/1.2
 So the command needs to move before and after the motion: half a spline's support, (m + 1) L / 2 samples, at each end.
 It costs print time at every rest, so knots are as close as pays. On a sliced tower, contour error RMS [um] / |u''|:
-TAZ 6 at rho .1 5.5/2.0, at .07 4.9/3.1, at .05 4.4/3.4; 35/28 Hz at rho .1 2.3/1.3, at .05 1.8/2.1.
+TAZ 6 at rho .1 5.5/2.0, at .07 4.9/3.1, at .045 4.3/3.8; 35/28 Hz at rho .1 2.3/1.3, at .045 1.8/2.2.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ METHODS = ("none", *MAX_DAMPING, "lpfbs", "fbf")
 OPTIONS = ("degree", "L", "mu", "preview", "n_C", "n_up", "lead", "tail", "frequency", "damping")
 DEGREE = 5
 KNOT_S = 0.004  # between knots at most: wider ones need a longer hold
-RHO = 0.05  # curvature weight: u'' of (w_n)^2 times a displacement costs a twentieth of that displacement as error
+RHO = 0.045  # curvature weight: u'' of (w_n)^2 times a displacement costs this part of it as error
 PREVIEW_S = 0.25  # of LPFBS at least: 10 / ln|z| at 1 ms for the TAZ 6's zeros z outside the unit circle
 LONGER = 1.5  # and this much longer as often as its recursion is not stable enough
 ATTEMPTS = 6

@@ -1,9 +1,9 @@
-"""Nodes: the few points that stand for a sampled command.
+"""Nodes: the few samples at which the segments that stand for a command meet.
 
-Legend: u command, sampled every dt; k sample; node = sample at which a segment ends; theta place in a segment, 0..1.
+Legend: u command, sampled every dt; k sample; node = sample at which a segment ends.
 A chord of length T on a curve of acceleration a is off by a T^2 / 8, so break points that equidistribute
 sqrt(|u''| / (8 tolerance)) keep every chord within the tolerance with the fewest segments (de Boor, A Practical Guide
-to Splines, ch. XII). Nodes fitted by least squares halve the RMS of nodes taken from the curve.
+to Splines, ch. XII).
 """
 
 from __future__ import annotations
@@ -11,14 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solveh_banded
 from scipy.ndimage import uniform_filter1d
+
+from fbfcli.motion.polyline import Polyline
 
 BURST = 8.0  # segments: half of the smallest queue (16), so that corners may have more and straight lines fewer
 ALONG = 0.3  # worth of an error along the path against one across it, where not both can be had
-FITTED = 2.0  # tolerances that a fit may move nodes towards each other
+FITTED = 4.0  # tolerances that a fit may move nodes towards each other
 MIN_RATE = 4.0  # segments per second of a straight line at constant speed: E, fans and pauses stay near their time
-ROOM = 1.25  # segments are planned this much longer than the shortest that the firmware keeps: few must be merged
+ROOM = 1.1  # segments are planned this much longer than the shortest that the firmware keeps: few must be merged
 REFINEMENTS = 4  # passes that halve what a velocity step left outside the tolerance
 
 
@@ -119,22 +120,12 @@ def _equidistribute(share: np.ndarray, fixed: np.ndarray) -> np.ndarray:
     return passes
 
 
-def interpolate(values: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """Piecewise linear curve through `values` (m,) at samples `nodes` (m,), at every sample between, shape (n,)."""
-    length = np.diff(nodes)
-    ramp = np.arange(nodes[-1] - nodes[0]) - np.repeat(nodes[:-1] - nodes[0], length)
-    slope = np.diff(values) / length
-    out = np.empty(nodes[-1] - nodes[0] + 1)
-    out[:-1] = np.repeat(values[:-1], length) + np.repeat(slope, length) * ramp
-    out[-1] = values[-1]
-    return out
-
-
 def _outside(u: np.ndarray, nodes: np.ndarray, tolerance: float, full: np.ndarray) -> np.ndarray:
     """The worst sample of each chord that misses the tolerance by half and may still be divided."""
     first, last = nodes[0], nodes[-1] + 1
-    error = np.abs(interpolate(u[nodes, 0], nodes) - u[first:last, 0])
-    np.maximum(error, np.abs(interpolate(u[nodes, 1], nodes) - u[first:last, 1]), out=error)
+    chords = Polyline(nodes - first, np.zeros(len(nodes), dtype=bool))
+    error = np.abs(chords.curve(u[nodes, 0]) - u[first:last, 0])
+    np.maximum(error, np.abs(chords.curve(u[nodes, 1]) - u[first:last, 1]), out=error)
     error[full[first:last]] = 0.0
     peak = np.maximum.reduceat(error[:-1], nodes[:-1] - first)
     bad = np.flatnonzero((peak > 1.5 * tolerance) & (np.diff(nodes) > 1))
@@ -165,45 +156,3 @@ def _merge_short(u: np.ndarray, nodes: np.ndarray, pinned: np.ndarray, budget: B
         place = np.arange(len(going)) - np.flatnonzero(new)[np.cumsum(new) - 1]
         drop[going[place % 2 == 1]] = False
         nodes, pinned = nodes[~drop], pinned[~drop]
-
-
-def fit(u: np.ndarray, nodes: np.ndarray, pinned: np.ndarray) -> np.ndarray:
-    """Node values whose piecewise linear curve is nearest to `u` in least squares.
-
-    u      : ndarray, shape (n, axes)       command at every sample; nodes[0] = 0 and nodes[-1] = n - 1
-    pinned : ndarray of bool, shape (m,)    nodes that keep the value of `u`
-
-    Returns ndarray, shape (m, axes). The hat functions' normal equations are tridiagonal; with theta = k / length the
-    sums over a segment's samples have closed forms.
-    """
-    length = np.diff(nodes).astype(float)
-    theta2 = (length - 1) * (2 * length - 1) / (6 * length)  # sum of theta^2 over a segment, its last sample excluded
-    theta1 = (length - 1) / 2
-    m = len(nodes)
-    band = np.zeros((2, m))  # upper form: band[1] the diagonal, band[0, j] couples j - 1 and j
-    band[1, :-1] = length - 2 * theta1 + theta2
-    band[1, 1:] += theta2
-    band[1, -1] += 1.0
-    band[0, 1:] = theta1 - theta2
-    ramp = (np.arange(nodes[-1]) - np.repeat(nodes[:-1], np.diff(nodes))) / np.repeat(length, np.diff(nodes))
-    values = np.empty((m, u.shape[1]))
-    for axis in range(u.shape[1]):
-        right = np.add.reduceat(u[:-1, axis] * ramp, nodes[:-1])
-        whole = np.add.reduceat(u[:-1, axis], nodes[:-1])
-        rhs = np.zeros(m)
-        rhs[:-1] = whole - right
-        rhs[1:] += right
-        rhs[-1] += u[-1, axis]
-        values[:, axis] = rhs
-    keep = u[nodes[pinned]]
-    coupling = band[0, 1:].copy()
-    index = np.flatnonzero(pinned)
-    inner = index[index > 0]
-    np.subtract.at(values, inner - 1, coupling[inner - 1, None] * u[nodes[inner]])
-    outer = index[index < m - 1]
-    np.subtract.at(values, outer + 1, coupling[outer, None] * u[nodes[outer]])
-    values[pinned] = keep
-    band[1, pinned] = 1.0
-    band[0, index] = 0.0
-    band[0, index[index < m - 1] + 1] = 0.0
-    return solveh_banded(band, values, check_finite=False)

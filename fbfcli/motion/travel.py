@@ -14,16 +14,16 @@ def check_travel(moves: Moves, known: np.ndarray, travel: tuple[tuple[float, flo
     """Refuse the first move that ends outside the travel of an axis.
 
     known  : ndarray of bool, shape (n,)   moves after which the position is known
-    travel : (low, high) of X, Y, Z [mm]
+    travel : (low, high) of X, Y and so on [mm]
     Raises GcodeError with the line, the coordinate and the remedy.
     """
-    for axis, (low, high) in enumerate(travel):
-        end = moves.start[:, axis] + moves.delta[:, axis]
-        bad = np.flatnonzero(known & ((end < low - EPS_MM) | (end > high + EPS_MM)))
-        if len(bad):
-            i = int(bad[0])
-            raise GcodeError(
-                f"{'XYZ'[axis]}{end[i]:g} is outside the printer's travel {low:g} to {high:g} mm",
-                line=int(moves.line[i]) + 1,
-                remedy="move the part on the bed, or correct `travel` in the printer profile",
-            )
+    end = moves.start[:, : len(travel)] + moves.delta[:, : len(travel)]
+    low, high = np.array(travel).T
+    outside = known[:, None] & ((end < low - EPS_MM) | (end > high + EPS_MM))
+    if outside.any():
+        i, axis = (int(k) for k in np.argwhere(outside)[0])
+        raise GcodeError(
+            f"{'XYZ'[axis]}{end[i, axis]:g} is outside the printer's travel {low[axis]:g} to {high[axis]:g} mm",
+            line=int(moves.line[i]) + 1,
+            remedy="move the part on the bed, or correct `travel` in the printer profile",
+        )

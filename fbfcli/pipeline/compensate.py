@@ -72,10 +72,11 @@ def compensate(
     """
     plants = plants_of(printer, settings.dt)
     budget = _budget(printer, settings)
-    tally = Tally([(plant.b, plant.a) for plant in plants])
+    b_a = [(plant.b, plant.a) for plant in plants]
+    tally = Tally(b_a)
     told = stamp(__version__, f'printer="{printer.name}" {settings.told()}')
     commander = Commander(compensator_of(plants, settings), _box(printer), settings.dt)
-    segmenter = Segmenter(printer, budget, settings.dt)
+    segmenter = Segmenter(printer, b_a, budget, settings.dt)
     scribe = Scribe(printer.firmware, printer.limits, segmenter, tally, write, told, settings.patch_times)
     reader = Reader(printer, settings)
     for portion in reader.portions(chunks, progress):

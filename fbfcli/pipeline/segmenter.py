@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +14,9 @@ from fbfcli.gcode.words import SCALE
 from fbfcli.gcode.write import Modes, Words, feed_of, speed_of, words_of
 from fbfcli.motion.extrusion import check_extrusion
 from fbfcli.motion.moves import Moves
-from fbfcli.motion.nodes import Budget, break_points, fit, thinned
+from fbfcli.motion.nodes import Budget, break_points, thinned
 from fbfcli.motion.planner import Part
+from fbfcli.motion.polyline import Polyline, fit, fit_through
 from fbfcli.motion.profile import Profile
 from fbfcli.motion.stretches import kinks
 from fbfcli.motion.timing import lateness, timed
@@ -58,8 +60,8 @@ class Segments:
 class Segmenter:
     """Cuts the commands of one file into segments, batch by batch."""
 
-    def __init__(self, printer: Printer, budget: Budget, dt: float):
-        self._printer, self._budget, self.dt = printer, budget, dt
+    def __init__(self, printer: Printer, plants: Sequence[tuple[np.ndarray, np.ndarray]], budget: Budget, dt: float):
+        self._printer, self._plants, self._budget, self.dt = printer, plants, budget, dt
         self._late = 0.0  # where a stretch goes on in the next batch [s]
 
     def segments(self, batch: Batch, part: Part, places: Places, before: Modes, bases: list[Limits]) -> Segments:
@@ -77,7 +79,7 @@ class Segmenter:
         is_end = np.zeros(n, dtype=bool)
         is_end[ends] = True
         pinned = is_end[node]
-        position = np.column_stack([fit(batch.command, node, pinned), batch.desired[node, 2:]])
+        position = np.column_stack([self._fitted(batch.command, node, pinned), batch.desired[node, 2:]])
         if not np.isfinite(position).all():
             raise LimitError("a compensated position is not finite")
         first = np.searchsorted(node, batch.begin)
@@ -88,6 +90,15 @@ class Segmenter:
         modes = rows[np.searchsorted(at, np.arange(len(real)), side="right")]
         words = words_of(position, modes, real, ~pinned)
         return self._timed(node, words, modes, first, batch, bases)
+
+    def _fitted(self, u: np.ndarray, node: np.ndarray, pinned: np.ndarray) -> np.ndarray:
+        """X and Y of the nodes; where the firmware takes too few for the tolerance, the nozzle's error counts."""
+        polyline = Polyline(node, pinned)
+        xy = fit(u, polyline)
+        off = u - np.column_stack([polyline.curve(xy[:, axis]) for axis in range(2)])
+        if np.einsum("ij,ij->", off, off) > len(u) * self._budget.tolerance**2:
+            return fit_through(xy, u, polyline, self._plants)
+        return xy
 
     def _needed(self, batch: Batch, part: Part, places: Places) -> np.ndarray:
         """Samples that must be nodes: E or Z changes its speed, or a line wants its time."""

@@ -1,10 +1,11 @@
 """Laws of break points and of the fit between them."""
 
 import numpy as np
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
-from fbfcli.motion.nodes import Budget, break_points, fit, interpolate, thinned
+from fbfcli.motion.nodes import Budget, break_points, thinned
+from fbfcli.motion.polyline import Polyline
 
 DT = 1e-3
 TOLERANCE = 5e-3
@@ -42,7 +43,8 @@ def forced_in(u: np.ndarray, samples: list[int]) -> np.ndarray:
 
 def chord_error(u: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """Largest distance of u from its chords along X or Y, shape (len(u),)."""
-    return np.maximum(*(np.abs(interpolate(u[nodes, i], nodes) - u[:, i]) for i in (0, 1)))
+    chords = Polyline(nodes, np.zeros(len(nodes), dtype=bool))
+    return np.maximum(*(np.abs(chords.curve(u[nodes, i]) - u[:, i]) for i in (0, 1)))
 
 
 @given(*motions, forced_samples, st.sampled_from(BUDGETS))
@@ -109,55 +111,3 @@ def test_thinned_samples_are_among_the_wanted_and_no_denser_than_the_rate(wanted
         assert kept[0] == wanted[0]
         slots = 5000 * DT * rate
         assert len(kept) <= slots + 1
-
-
-def hats(nodes: np.ndarray) -> np.ndarray:
-    """Value of every hat function at every sample, shape (n, m)."""
-    return np.column_stack([np.interp(np.arange(nodes[-1] + 1), nodes, row) for row in np.eye(len(nodes))])
-
-
-def fitting(seed: int, n: int, share: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A random walk of n samples, some nodes, and which of them are pinned."""
-    rng = np.random.default_rng(seed)
-    inner = np.flatnonzero(rng.random(n - 2) < rng.random()) + 1
-    nodes = np.concatenate([[0], inner, [n - 1]]).astype(np.int64)
-    return np.cumsum(rng.normal(0, 1, (n, 2)), axis=0), nodes, rng.random(len(nodes)) < share
-
-
-fits = st.builds(fitting, SEEDS, st.integers(2, 120), st.sampled_from((0.0, 0.2, 0.9)))
-
-
-@given(fits)
-def test_the_fit_is_the_least_squares_one_and_keeps_pinned_nodes(case):
-    u, nodes, pinned = case
-    values = fit(u, nodes, pinned)
-    np.testing.assert_array_equal(values[pinned], u[nodes[pinned]])
-    basis = hats(nodes)
-    right = u - basis[:, pinned] @ u[nodes[pinned]]
-    best = np.linalg.lstsq(basis[:, ~pinned], right, rcond=None)[0]
-    np.testing.assert_allclose(values[~pinned], best, rtol=0, atol=1e-8 * max(1.0, np.abs(u).max()))
-
-
-@given(fits)
-def test_a_curve_that_is_piecewise_linear_is_its_own_fit(case):
-    u, nodes, pinned = case
-    exact = np.column_stack([interpolate(u[nodes, i], nodes) for i in (0, 1)])
-    np.testing.assert_allclose(fit(exact, nodes, pinned), u[nodes], rtol=0, atol=1e-8 * max(1.0, np.abs(u).max()))
-
-
-@given(fits)
-def test_interpolation_is_linear_between_nodes(case):
-    u, nodes, _ = case
-    expected = np.interp(np.arange(nodes[-1] + 1), nodes, u[nodes, 0])
-    np.testing.assert_allclose(interpolate(u[nodes, 0], nodes), expected, atol=1e-9)
-
-
-@given(*motions)
-def test_fitted_nodes_follow_better_than_sampled_ones(seed, count):
-    u, ends = stretches(seed, count)
-    nodes = break_points(u, ends, NONE, DT, Budget(0.02, 200.0))
-    fitted = fit(u, nodes, np.isin(nodes, ends))
-    rms = [np.sqrt(np.mean([(interpolate(values[:, i], nodes) - u[:, i]) ** 2 for i in (0, 1)]))
-           for values in (fitted, u[nodes])]  # fmt: skip
-    assume(rms[1] > 1e-6)
-    assert rms[0] <= rms[1] * (1 + 1e-9)

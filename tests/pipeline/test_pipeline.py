@@ -124,7 +124,8 @@ def test_a_stretch_in_parts_is_the_stretch_in_one_piece(monkeypatch, firmware, h
     same_path(whole, parts, SAME_PATH_MM[firmware])
     for name in ("follow_error", "contour_before", "contour_after"):
         a, b = (getattr(one.done.summary, name).rms for one in (whole, parts))
-        assert b == pytest.approx(a, rel=0.4 if firmware == "marlin" else 0.1, abs=0.5)
+        rel, within = (0.1, 0.5) if firmware == "klipper" else (0.5, 1.5)  # few segments: fitted part by part
+        assert b == pytest.approx(a, rel=rel, abs=within)
 
 
 @each_firmware
