@@ -30,22 +30,22 @@ def sample(start: np.ndarray, delta: np.ndarray, d: np.ndarray, profile: Profile
     counts = np.diff(first, append=count)
     used = np.flatnonzero(counts)
     counts = counts[used]
-    phase = np.repeat(np.arange(len(used), dtype=np.int32), counts)
+    phase = np.repeat(np.arange(len(used)), counts)
     tau = np.arange(count, dtype=float)
-    tau -= begins[used][phase]
-    part = f[2, used][phase]
+    tau -= np.take(begins[used], phase)
+    part = np.take(f[2, used], phase)
     part *= tau
-    part += f[1, used][phase]
+    part += np.take(f[1, used], phase)
     part *= tau
-    part += f[0, used][phase]
+    part += np.take(f[0, used], phase)
     part[:max(0, min(count, int(np.ceil(begins[0] - EPS_SAMPLE))))] = 0.0
     move = used >> 2
     x = np.empty((count, start.shape[1]), order="F")
     for axis in range(start.shape[1]):
         column = x[:, axis]
-        np.multiply(part, delta[move, axis][phase], out=column)
-        column += start[move, axis][phase]
-    return x, move.astype(np.int32)[phase]
+        np.multiply(part, np.take(delta[move, axis], phase), out=column)
+        column += np.take(start[move, axis], phase)
+    return x, np.take(move.astype(np.int32), phase)
 
 
 def _phases(d: np.ndarray, profile: Profile, t0: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
