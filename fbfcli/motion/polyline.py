@@ -12,6 +12,7 @@ functions (Ramani 2020, Eq. 2.10) with hat functions as the basis, by conjugate 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded
@@ -33,7 +34,6 @@ class Polyline:
         self._length = np.diff(nodes)
         self._theta = np.arange(nodes[-1]) - np.repeat(nodes[:-1], self._length)  # place in a segment, 0 to 1
         self._theta = self._theta / np.repeat(self._length, self._length)
-        self._factor = (cholesky_banded(self._gram(), check_finite=False), False)
 
     def curve(self, values: np.ndarray) -> np.ndarray:
         """P values: the curve through the node values (m,) at every sample, shape (n,)."""
@@ -58,6 +58,11 @@ class Polyline:
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """(P^T P)^-1 rhs over the nodes that are not pinned; rhs is zero at those that are."""
         return cho_solve_banded(self._factor, rhs, check_finite=False)
+
+    @cached_property
+    def _factor(self) -> tuple[np.ndarray, bool]:
+        """Cholesky factor of P^T P, upper band."""
+        return cholesky_banded(self._gram(), check_finite=False), False
 
     def _gram(self) -> np.ndarray:
         """P^T P, upper band, pinned nodes apart. Sums of theta and theta^2 over a segment have closed forms."""

@@ -25,6 +25,7 @@ from fbfcli.printer import Printer
 from fbfcli.verify.tally import Tally
 
 MARLIN_STEPS = 6  # MIN_STEPS_PER_SEGMENT: Marlin drops shorter moves
+FEW_MOVES, FEW = 10, 0.01  # moves left alone that are not worth a warning: the first ones of every print
 REPRAP_SPEED = 0.55  # mm/s, just above MinimumMovementSpeed: RepRapFirmware makes slower moves faster
 
 
@@ -153,6 +154,6 @@ def _warnings(reader: Reader, tally: Tally, budget: Budget, remedies: Remedies) 
         told.append(f"{tally.busiest} segments in one second, more than the firmware takes: raise --tolerance")
     if not tally.segments:
         told.append("nothing was compensated: no move of X or Y has a known start")
-    elif reader.left_alone:
+    elif reader.left_alone > max(FEW_MOVES, FEW * reader.moves):
         told.append(f"{reader.left_alone} moves of X or Y left as they are: unknown start, or Z too steep to follow")
     return tuple(told)
