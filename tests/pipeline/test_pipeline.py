@@ -148,9 +148,10 @@ def test_written_segments_keep_the_clock(firmware, data):
     kinds = ("travel", "fan", "print")
     summary = compensated(data.draw(prints(firmware, kinds)), printer(firmware, rate=FAST), LPFBS).done.summary
     compensated_s = summary.segments / max(summary.segments_per_second, 1e-9)
-    assert abs(summary.clock_drift_ppm) * compensated_s < 50.0 + 50.0 * compensated_s
+    early = 3000.0 * summary.stretches if firmware == "reprapfirmware" else 0.0  # the slow last segment of each
+    assert abs(summary.clock_drift_ppm) * compensated_s < 50.0 + 50.0 * compensated_s + early
     # Marlin drops short segments, RepRapFirmware speeds slow ones up: they are made longer, and follow less well
-    assert summary.follow_error.max < {"klipper": 40.0, "marlin": 400.0, "reprapfirmware": 100.0}[firmware]
+    assert summary.follow_error.max < {"klipper": 40.0, "marlin": 500.0, "reprapfirmware": 200.0}[firmware]
 
 
 @each_firmware
