@@ -23,6 +23,8 @@ from fbfcli.motion.timing import lateness, timed
 from fbfcli.pipeline.commander import Batch
 from fbfcli.printer import Limits, Printer
 
+EDGE_MM = 1e-4  # kept from the end of the travel: rounding, and nodes that are nudged apart
+
 
 @dataclass(frozen=True)
 class Segments:
@@ -73,9 +75,7 @@ class Segmenter:
         """
         n = len(batch.command)
         ends = np.column_stack([batch.begin, batch.end]).ravel()
-        node = break_points(
-            batch.command, ends, self._needed(batch, part, places), self.dt, self._budget
-        )  # first and last sample are ends
+        node = break_points(batch.command, ends, self._needed(batch, part, places), self.dt, self._budget)
         is_end = np.zeros(n, dtype=bool)
         is_end[ends] = True
         pinned = is_end[node]
@@ -97,8 +97,10 @@ class Segmenter:
         xy = fit(u, polyline)
         off = u - np.column_stack([polyline.curve(xy[:, axis]) for axis in range(2)])
         if np.einsum("ij,ij->", off, off) > len(u) * self._budget.tolerance**2:
-            return fit_through(xy, u, polyline, self._plants)
-        return xy
+            xy = fit_through(xy, u, polyline, self._plants)
+        low, high = np.array([axis.travel for axis in self._printer.axes[:2]]).T
+        inside = np.clip(xy, low + EDGE_MM, high - EDGE_MM)  # a node beyond the travel would end the print
+        return np.where(pinned[:, None], xy, inside)
 
     def _needed(self, batch: Batch, part: Part, places: Places) -> np.ndarray:
         """Samples that must be nodes: E or Z changes its speed, or a line wants its time."""

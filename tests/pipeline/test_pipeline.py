@@ -1,6 +1,7 @@
 """Laws of a whole compensated file: nothing lost, nothing moved, limits put back, however the text arrives."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -243,3 +244,21 @@ def test_time_lines_tell_the_time_of_the_written_file(firmware):
     assert int(told[1].split()[1][1:]) == pytest.approx(100 * half / total, abs=2.0)
     plain = compensated(text, printer(firmware), LPFBS)
     assert plain.done.time == total and b"M73 P50 R5" in plain.lines
+
+
+@each_firmware
+@few
+@given(st.integers(0, 2**32 - 1))
+def test_nothing_is_written_beyond_the_travel(firmware, seed):
+    """Corners and holds on the very edge of what the machine can reach: a step beyond would end the print."""
+    rng = np.random.default_rng(seed)
+    corners = rng.choice([80.0, 80.0, 120.0, 120.0, 100.0], (12, 2))
+    lines = [f"G1 X{x:.3f} Y{y:.3f} E0.5 F{rng.choice([3000, 9000, 15000])}" for x, y in corners]
+    machine = printer(firmware)
+    axes = tuple(replace(axis, travel=(80.0, 120.0)) for axis in machine.axes[:2])
+    edged = replace(machine, axes=(*axes, machine.axes[2]))
+    written = compensated(START + "\n".join(lines) + "\n", edged, LPFBS)
+    moves = written.block().moves
+    end = moves.start[:, :2] + moves.delta[:, :2]
+    known = moves.line > moves.line[0] + 1
+    assert (end[known] >= 80.0).all() and (end[known] <= 120.0).all()
