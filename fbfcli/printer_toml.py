@@ -24,6 +24,7 @@ from fbfcli.toml_table import Table, parse_toml
 
 SEGMENTS_PER_SECOND = {"klipper": 1000.0, "marlin": 300.0, "reprapfirmware": 200.0}  # Marlin: 32-bit board, from SD
 GAIN_TOLERANCE = 1e-3  # of the sum of a model's gains: half a unit of the last digit people write
+KLIPPER_CORNER = 1.0  # mm/s, instantaneous_corner_velocity where it is not configured
 COMMAND_VELOCITY_FACTOR = 1.5  # a compensated command overshoots the desired speed ...
 COMMAND_ACCELERATION_FACTOR = 3.0  # ... and swings well past the planned acceleration
 HIGHEST_MODE = 500.0  # Hz: a trajectory of 1 kHz holds nothing above
@@ -80,6 +81,12 @@ def _limits(table: Table, axes: Table, firmware: str) -> Limits:
         return x, y, z, e
 
     jerk = four("jerk")
+    if firmware == "klipper":
+        jerk = (*jerk[:3], KLIPPER_CORNER if jerk[3] == inf else jerk[3])
+    else:  # they are raised for a compensated stretch, and what is raised must be put back
+        for key in ("max_velocity", "max_acceleration"):
+            for table_of_axis in per_axis[:2]:
+                table_of_axis.number(key)
     if firmware == "marlin" and "junction_deviation" not in table.values and inf in jerk[:2]:
         table.refuse("junction_deviation", "is missing", "Marlin needs it, or jerk in [axis.x] and [axis.y]")
     if firmware == "reprapfirmware" and inf in jerk[:2]:

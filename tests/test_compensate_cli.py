@@ -216,3 +216,10 @@ def test_an_option_is_a_sensible_number(part, capsys, option, value):
     assert run(part, option, value) == 2
     assert option in capsys.readouterr().err
     assert names(part) == [part.name]
+
+
+@pytest.mark.parametrize("option", ["--accel", "--velocity"])
+def test_planning_with_more_than_the_machine_stands_is_refused(part, capsys, option):
+    assert run(part, option, "1e5") == 1
+    assert f"{option} 100000 is more than the machine stands: command_" in one_line(capsys)
+    assert names(part) == [part.name]

@@ -201,9 +201,13 @@ def test_refusals_name_key_value_and_remedy(path, value, words):
 
 def test_each_firmware_gets_what_it_plans_with():
     marlin = tomllib.loads(changed("printer/firmware", "marlin"))
+    assert "axis.y.max_velocity: is missing" in refusal(tomlkit.dumps(marlin))  # raised, it could not be put back
+    marlin["axis"]["y"] |= {"max_velocity": 300, "max_acceleration": 3000}
+    reprap = copy.deepcopy(marlin)
+    reprap["printer"]["firmware"] = "reprapfirmware"
+    assert "axis.y.jerk: is missing" in refusal(tomlkit.dumps(reprap))
     del marlin["limits"]["junction_deviation"]
     assert "junction_deviation" in refusal(tomlkit.dumps(marlin))
-    assert "axis.y.jerk: is missing" in refusal(changed("printer/firmware", "reprapfirmware"))
     marlin["axis"]["y"]["jerk"] = 8
     del marlin["limits"]["velocity"]
     limits = parse_printer(tomlkit.dumps(marlin), "mine.toml").limits

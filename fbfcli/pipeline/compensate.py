@@ -71,6 +71,7 @@ def compensate(
 
     Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
     """
+    _check_ceilings(printer, settings)
     plants = plants_of(printer, settings.dt)
     budget = _budget(printer, settings)
     b_a = [(plant.b, plant.a) for plant in plants]
@@ -86,6 +87,20 @@ def compensate(
     scribe.finish()
     summary = _summary(printer, settings, budget, reader, scribe, tally, commander.remedies)
     return Done(summary, tuple(scribe.patches), scribe.elapsed)
+
+
+def _check_ceilings(printer: Printer, settings: Settings) -> None:
+    """Refuse to plan with more than the machine is said to stand."""
+    for axis in printer.axes[:2]:
+        for option, value, key, most in (
+            ("--accel", settings.acceleration, "command_acceleration", axis.command_acceleration),
+            ("--velocity", settings.velocity, "command_velocity", axis.command_velocity),
+        ):
+            if value is not None and value > most:
+                raise ProfileError(
+                    f"{option} {value:g} is more than the machine stands: {key} of axis {axis.name} is {most:g} in the "
+                    f"profile of {printer.name}"
+                )
 
 
 def _box(printer: Printer) -> Box:
