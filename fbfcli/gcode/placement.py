@@ -11,7 +11,7 @@ import numpy as np
 
 from fbfcli.gcode.dialects import Kind
 from fbfcli.gcode.listing import Listing, join
-from fbfcli.motion.moves import E, Moves
+from fbfcli.motion.moves import E, Moves, moves_xy
 from fbfcli.motion.stretches import Grid
 
 TIMELY = (int(Kind.IN_ORDER), int(Kind.MODE))  # lines that need a node of their own when none is near
@@ -27,6 +27,7 @@ class Places:
     e_machine : ndarray, shape (k,)           the machine's E after the line [mm]
     passed    : ndarray, shape (k,)           time of moves outside stretches, and of dwells, before the line [s]
     moves     : ndarray of bool, shape (k,)   a motion line whose motion stays as it was written
+    barrier   : ndarray of bool, shape (k,)   the file's own limits hold for it: it moves X or Y, or is a barrier
     """
 
     lines: Listing
@@ -34,12 +35,14 @@ class Places:
     e_machine: np.ndarray
     passed: np.ndarray
     moves: np.ndarray
+    barrier: np.ndarray
 
     def __len__(self) -> int:
         return len(self.sample)
 
     def __getitem__(self, rows: slice | np.ndarray) -> Places:
-        return Places(self.lines[rows], self.sample[rows], self.e_machine[rows], self.passed[rows], self.moves[rows])
+        columns = (self.sample, self.e_machine, self.passed, self.moves, self.barrier)
+        return Places(self.lines[rows], *(column[rows] for column in columns))
 
 
 def place(
@@ -64,7 +67,10 @@ def place(
     keep = ~(replaced | idle)
     e_after = np.append(moves.start[:, E] + moves.delta[:, E], e_before)  # [-1]: before the first move
     spent = np.concatenate([[0.0], np.cumsum(outside_time)])[own] + np.cumsum(lines.wait) - lines.wait
-    return Places(lines[keep], sample[keep], e_after[following - 1][keep], spent[keep], (motion & has_move)[keep])
+    flat = np.concatenate([[0], np.cumsum(moves_xy(moves))])
+    barrier = (lines.kind == int(Kind.BARRIER)) | (flat[following] > flat[own])
+    all_lines = Places(lines, sample, e_after[following - 1], spent, motion & has_move, barrier)
+    return all_lines[keep]
 
 
 def after(earlier: Places | None, later: Places) -> Places:
@@ -77,6 +83,7 @@ def after(earlier: Places | None, later: Places) -> Places:
         np.concatenate([earlier.e_machine, later.e_machine]),
         np.concatenate([earlier.passed, later.passed]),
         np.concatenate([earlier.moves, later.moves]),
+        np.concatenate([earlier.barrier, later.barrier]),
     )
 
 

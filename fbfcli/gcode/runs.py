@@ -1,7 +1,8 @@
 """Runs: where limits are raised and put back, and the text of every line that stays.
 
-A run lasts from the first compensated stretch after a barrier to the next barrier. Inside it the planner's limits are
-raised, so lines that change limits wait as comments, and motion lines that stay say their F anew.
+A run lasts from the first compensated stretch after a barrier to the next barrier; a move of X or Y that stays as it
+was written is one too. Inside a run the planner's limits are raised, so lines that change limits wait as comments, and
+motion lines that stay (of Z or E) say their F anew.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def raised_where(number: np.ndarray, barrier: np.ndarray, starts: np.ndarray, be
     """Follow the runs through a part.
 
     number  : ndarray of int, shape (k,)    kept lines, increasing
-    barrier : ndarray of int                those that are barriers
+    barrier : ndarray of int                lines that end a run, increasing
     starts  : ndarray of int, shape (s,)    line that begins each stretch
     before  : limits are raised when the part begins
     """
@@ -89,8 +90,8 @@ def is_special(places: Places, raised: np.ndarray) -> np.ndarray:
         return np.zeros(len(lines), dtype=bool)
     numbered = _MAY_BE_NUMBERED[byte[lines.begin]]
     unterminated = byte[lines.end - 1] != ord("\n")
-    waits = (lines.kind == int(Kind.LIMITS)) | (lines.kind == int(Kind.BARRIER))
-    return numbered | unterminated | (raised & (waits | places.moves))
+    waits = lines.kind == int(Kind.LIMITS)
+    return numbered | unterminated | (raised & (waits | places.barrier | places.moves))
 
 
 def joints(lines: Listing, special: np.ndarray) -> np.ndarray:
@@ -124,6 +125,8 @@ def kept_text(places: Places, i: int, raised: bool, restore: bytes, e_word: int 
     if places.moves[i] and raised:
         if not lines.has_command[i] and lines.motion[i] > 1:
             raw = b"G%d " % lines.motion[i] + raw
+        if places.barrier[i]:
+            return restore + raw
         if not lines.has_feed[i]:
             return feed_line(lines.feed[i]) + raw
     return raw

@@ -12,6 +12,11 @@ X, Y, Z, E = range(4)
 EPS_MM = 1e-9  # below one float step at bed scale: shorter moves are no motion
 
 
+def moves_xy(moves: Moves) -> np.ndarray:
+    """Moves of X or Y, bool, shape (n,)."""
+    return (moves.delta[:, X] != 0.0) | (moves.delta[:, Y] != 0.0)
+
+
 @dataclass(frozen=True)
 class Moves:
     """Straight moves in order of execution; n of them.

@@ -15,7 +15,7 @@ from fbfcli.gcode.raised import raised
 from fbfcli.gcode.runs import raised_where
 from fbfcli.gcode.scan import scan
 from fbfcli.motion.limit_table import LimitTable, compensated
-from fbfcli.motion.moves import Moves
+from fbfcli.motion.moves import Moves, moves_xy
 from fbfcli.motion.planner import Part, Planner, no_part
 from fbfcli.motion.stretches import compensable, with_rests
 from fbfcli.motion.travel import check_travel
@@ -82,7 +82,7 @@ class Reader:
         known = np.concatenate([[self._known], block.known])
         check_travel(moves, known[row + 1], tuple(axis.travel for axis in self._printer.axes))
         inside = compensable(moves, known[row], self._settings.acceleration)
-        self.left_alone += int(np.count_nonzero(~inside & (moves.delta[:, :2] != 0.0).any(axis=1)))
+        self.left_alone += int(np.count_nonzero(~inside & moves_xy(moves)))
         self._known = bool(known[-1])
         self._tell_time(
             replace(moves, state=self._limits.index(table)[moves.state], limits=self._limits.limits), last=False
@@ -90,10 +90,12 @@ class Reader:
         rested = with_rests(moves, inside, self._inside)
         if len(inside):
             self._inside = bool(inside[-1])
-        barrier = lines.number[lines.kind == int(Kind.BARRIER)]
+        as_written = ~inside & moves_xy(moves)
+        barrier = np.union1d(lines.number[lines.kind == int(Kind.BARRIER)], moves.line[as_written])
         run = raised_where(moves.line, barrier, moves.line[inside], self._raised)
         self._raised = run.after
-        yield from self._planned(self._in_force(rested, inside, run.line, table), inside, table, last=False)
+        planned = self._in_force(rested, inside, run.line & ~as_written, table)
+        yield from self._planned(planned, inside, table, last=False)
 
     def _in_force(
         self, moves: Moves, inside: np.ndarray, raised_before: np.ndarray, table: tuple[Limits, ...]

@@ -21,7 +21,7 @@ from fbfcli.pipeline.segmenter import Segmenter, Segments
 from fbfcli.printer import Limits
 from fbfcli.verify.tally import Stretches, Tally
 
-MODE, BARRIER, PROGRESS = int(Kind.MODE), int(Kind.BARRIER), int(Kind.PROGRESS)
+MODE, PROGRESS = int(Kind.MODE), int(Kind.PROGRESS)
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class Scribe:
     ) -> tuple[_Page, Segments | None]:
         starts = batch.line
         number = places.lines.number
-        run = raised_where(number, number[places.lines.kind == BARRIER], starts, self._raised)
+        run = raised_where(number, number[places.barrier], starts, self._raised)
         base = self._base
         bases = self._bases(run, places, starts, table)
         none = np.zeros(1, dtype=np.int64)
@@ -226,7 +226,7 @@ class Scribe:
         """Write one line that is not simply passed on."""
         places, lines = page.places, page.places.lines
         raised_here, restore = bool(page.run.line[i]), b""
-        if raised_here and lines.kind[i] == BARRIER:
+        if raised_here and places.barrier[i]:
             restore = restoring(self._firmware, page.table[lines.state[i]], page.base_of(i), float(lines.feed[i]))
         text = kept_text(places, i, raised_here, restore, e_word)
         if self._patch_times and lines.kind[i] == PROGRESS:

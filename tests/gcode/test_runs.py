@@ -83,7 +83,7 @@ def test_raising_and_putting_back_alternate(kinds):
 def places(text: str, firmware: str = "marlin", moves: bool = False) -> Places:
     lines: Listing = listing(block_of(text, firmware))
     n = len(lines)
-    return Places(lines, np.zeros(n), np.zeros(n), np.zeros(n), np.full(n, moves))
+    return Places(lines, np.zeros(n), np.zeros(n), np.zeros(n), np.full(n, moves), lines.kind == int(Kind.BARRIER))
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
@@ -204,7 +204,7 @@ def test_lines_that_are_not_special_are_verbatim(text, raised, moves):
     except GcodeError:
         return
     n = len(lines)
-    found = Places(lines, np.zeros(n), np.zeros(n), np.zeros(n), np.full(n, moves))
+    found = Places(lines, np.zeros(n), np.zeros(n), np.zeros(n), np.full(n, moves), lines.kind == int(Kind.BARRIER))
     special = is_special(found, np.full(n, raised))
     for i in np.flatnonzero(~special):
         assert kept_text(found, int(i), raised, b"BACK\n", None) == lines.raw(i)

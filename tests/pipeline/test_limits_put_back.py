@@ -87,3 +87,24 @@ def test_z_and_e_are_not_jerked_by_raised_limits(firmware, how):
         before = max(before, hardest_joint(text.encode(), machine))
         after = max(after, hardest_joint(compensated(text, machine, how).text, machine))
     assert after <= 1.05 * before
+
+
+@each_firmware
+@few
+@given(st.data())
+def test_a_steep_move_of_x_and_y_has_the_files_own_limits(firmware, data):
+    """It stays as it was written: with limits raised it would take corners at full speed."""
+    lines = ["G1 X120 Y110 E1 F6000"]
+    for _ in range(data.draw(st.integers(1, 6))):
+        x, y = data.draw(st.integers(60, 140)), data.draw(st.integers(60, 140))
+        z = data.draw(st.sampled_from((1, 31)))
+        lines.append(
+            data.draw(st.sampled_from((f"G1 X{x} Y{y} E1", f"G1 X{x} Y{y} Z{z}", "G1 E-1 F1800", "M204 S700")))
+        )
+    written = compensated(START + "\n".join(lines) + "\n", printer(firmware), LPFBS)
+    found = {}
+    for name, text in (("source", written.source), ("text", written.text)):
+        moves = read(text, written.printer).moves
+        steep = np.flatnonzero((np.abs(moves.delta[:, 2]) > 10.0) & (moves.delta[:, :2] != 0.0).any(axis=1))
+        found[name] = [moves.limits[i] for i in moves.state[steep]]
+    assert found["text"] == found["source"]
