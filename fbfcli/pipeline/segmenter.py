@@ -92,15 +92,22 @@ class Segmenter:
         return self._timed(node, words, modes, first, batch, bases)
 
     def _fitted(self, u: np.ndarray, node: np.ndarray, pinned: np.ndarray) -> np.ndarray:
-        """X and Y of the nodes; where the firmware takes too few for the tolerance, the nozzle's error counts."""
-        polyline = Polyline(node, pinned)
-        xy = fit(u, polyline)
-        off = u - np.column_stack([polyline.curve(xy[:, axis]) for axis in range(2)])
-        if np.einsum("ij,ij->", off, off) > len(u) * self._budget.tolerance**2:
-            xy = fit_through(xy, u, polyline, self._plants)
+        """X and Y of the nodes, within the travel."""
+        xy = self._best(u, Polyline(node, pinned))
+        slow = np.abs(np.diff(xy, axis=0)).max(axis=1) < self._budget.min_speed * self.dt * np.diff(node)
+        if slow.any():  # the firmware would speed them up: these nodes are better on the command itself
+            xy = self._best(u, Polyline(node, pinned | np.append(slow, False) | np.append(False, slow)))
         low, high = np.array([axis.travel for axis in self._printer.axes[:2]]).T
         inside = np.clip(xy, low + EDGE_MM, high - EDGE_MM)  # a node beyond the travel would end the print
         return np.where(pinned[:, None], xy, inside)
+
+    def _best(self, u: np.ndarray, polyline: Polyline) -> np.ndarray:
+        """Nodes nearest to the command; where they are too few for the tolerance, those best for the nozzle."""
+        xy = fit(u, polyline)
+        off = u - np.column_stack([polyline.curve(xy[:, axis]) for axis in range(2)])
+        if np.einsum("ij,ij->", off, off) > len(u) * self._budget.tolerance**2:
+            return fit_through(xy, u, polyline, self._plants)
+        return xy
 
     def _needed(self, batch: Batch, part: Part, places: Places) -> np.ndarray:
         """Samples that must be nodes: E or Z changes its speed, or a line wants its time."""
