@@ -1,7 +1,7 @@
 """Limits raised before a compensated stretch and put back after it, in each firmware's words.
 
-The planner must not slow a segment down, or the command is late: FORMATS "Following a time-stamped trajectory". Only
-X and Y are raised: moves of Z or E alone keep the limits they had.
+A segment of length d lasts d/F only if the planner is not made to slow down, so its limits must not bind. Only X and Y
+are raised: moves of Z or E alone keep the limits they had.
 Klipper: SET_VELOCITY_LIMIT, SET_INPUT_SHAPER. Marlin: M201, M203, M204, M205, M593, M493. RepRapFirmware: M201, M203
 (mm/min), M204, M566 (mm/min), M593.
 """

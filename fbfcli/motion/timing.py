@@ -1,7 +1,7 @@
 """Speeds that make a planner spend the wanted time on each segment.
 
-A planner loses dv^2 / (2 a v) at every change of speed, and a rounded F and rounded coordinates add to it (FORMATS
-"Time must be fed back"). The planner model is asked what it would do; what it is late is taken off the time asked for.
+A planner loses dv^2 / (2 a v) at every change of speed, and a rounded F and rounded coordinates add to it: without
+feedback the clock drifts. The planner model is asked what it would do; what it is late is taken off the time asked for.
 """
 
 from __future__ import annotations
