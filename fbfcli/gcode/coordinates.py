@@ -65,12 +65,6 @@ def last_true(mask: np.ndarray) -> np.ndarray:
     return np.maximum.accumulate(np.where(mask, np.arange(len(mask)), 0))
 
 
-def filled(word: np.ndarray, start: float) -> np.ndarray:
-    """`word` with nan replaced by the last number before it, `start` in front, shape (n + 1,)."""
-    value = np.concatenate(([start], word))
-    return value[last_true(value == value)]
-
-
 def _logical(
     word: np.ndarray, relative: np.ndarray, fixed: dict[int, float], start: float
 ) -> tuple[np.ndarray, np.ndarray]:

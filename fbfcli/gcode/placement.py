@@ -14,8 +14,7 @@ from fbfcli.gcode.listing import Listing, join
 from fbfcli.motion.moves import E, Moves, moves_xy
 from fbfcli.motion.stretches import Grid
 
-TIMELY = (int(Kind.IN_ORDER), int(Kind.MODE))  # lines that need a node of their own when none is near
-NEAR = 10.0  # samples
+TIMELY = (int(Kind.IN_ORDER), int(Kind.MODE))  # lines that act, and want a node at their time
 
 
 @dataclass(frozen=True)

@@ -116,17 +116,16 @@ def kept_text(places: Places, i: int, raised: bool, restore: bytes, e_word: int 
     if raw[:1] in b"Nn \t" and _NUMBER.match(raw):
         raw = _CHECKSUM.sub(b"", _NUMBER.sub(b"", raw), count=1)
     kind = lines.kind[i]
-    if kind == Kind.LIMITS and raised:
-        return DEFERRED + raw
-    if kind == Kind.BARRIER and raised:
-        return restore + raw
     if kind == Kind.MODE and e_word is not None and _DECLARES.match(raw):
         return _E_NUMBER.sub(f"E{e_word / SCALE:.5f}".encode(), raw, count=1)
-    if places.moves[i] and raised:
-        if not lines.has_command[i] and lines.motion[i] > 1:
-            raw = b"G%d " % lines.motion[i] + raw
-        if places.barrier[i]:
-            return restore + raw
-        if not lines.has_feed[i]:
-            return feed_line(lines.feed[i]) + raw
+    if not raised:
+        return raw
+    if kind == Kind.LIMITS:
+        return DEFERRED + raw
+    if places.moves[i] and not lines.has_command[i] and lines.motion[i] > 1:
+        raw = b"G%d " % lines.motion[i] + raw
+    if places.barrier[i]:
+        return restore + raw
+    if places.moves[i] and not lines.has_feed[i]:
+        return feed_line(lines.feed[i]) + raw
     return raw

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-UM = 1e3
 BUSY = 1.25  # seconds may be this much fuller than the firmware's rate before they are told of
 
 
