@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import click
 
-from fbfcli.cli.files import DASH, is_stream, reading, replacing, saying, streaming
+from fbfcli.cli.files import DASH, is_stream, reading, replacing, streaming
 from fbfcli.cli.lookup import find_file, read_printer
-from fbfcli.errors import FbfError, GcodeError, LimitError, ModelError
+from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
+from fbfcli.cli.telling import named, progress_bar, tell_json
+from fbfcli.errors import FbfError
 
 if TYPE_CHECKING:
     from fbfcli.pipeline import Done, Settings
@@ -43,21 +43,9 @@ UM_PER_MM = 1e3
 MS_PER_S = 1e3
 
 
-class Number(click.FloatRange):
-    """A finite number in a range: click's own lets nan and inf through."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        number = super().convert(value, param, ctx)
-        if not isfinite(number):
-            self.fail(f"{value!r} is not a finite number.", param, ctx)
-        return number
-
-
 @click.command(no_args_is_help=False)
 @click.argument("file", default=DASH, metavar="[FILE]")
-@click.option(
-    "-p", "--printer", metavar="NAME|FILE", help="Printer profile (else FBF_PRINTER, else ~/.config/fbf/printer.toml)."
-)
+@printer_option
 @click.option(
     "-o",
     "--output",
@@ -110,13 +98,13 @@ class Number(click.FloatRange):
     metavar="MS",
     help="lpfbs, fbf: rest kept before and after each stretch of motion.",
 )
-@click.option("--json", "json_to", metavar="FILE", help="Write the summary as JSON; - is standard output.")
+@json_option
 @click.option(
     "--log", "log_to", metavar="FILE", help="Append the summary, or the error, to a file (Windows slicers hide both)."
 )
 @click.option("-n", "--dry-run", is_flag=True, help="Compute and tell everything, write nothing.")
 @click.option("-f", "--force", is_flag=True, help="Compensate a file that is compensated already.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress, no summary; errors are still told.")
+@quiet_option
 def compensate(
     file: str,
     printer: str | None,
@@ -148,8 +136,7 @@ def compensate(
         if not quiet:
             click.echo(done.summary.text(), err=True)
         if json_to:
-            with saying(json_to) as say:
-                say(json.dumps(done.summary.as_dict(), indent=2) + "\n")
+            tell_json(json_to, done.summary.as_dict())
         if log_to:
             _log(log_to, f"{file}: {done.summary.text()}")
 
@@ -211,7 +198,7 @@ def _compensate(
 
     profile = find_file(printer)
     machine = read_printer(profile)
-    with reading(file) as source, _progress(file, quiet) as progress, _named(file, str(profile)):
+    with reading(file) as source, progress_bar(file, quiet) as progress, named(file, str(profile)):
         texts = chunks(source)
         first = next(texts, b"")
         if is_stamped(first[:HEAD_BYTES]) and not force:
@@ -251,33 +238,10 @@ def _writing(target: str | None) -> Iterator[_Writer]:
         yield _Writer(stream)
 
 
-@contextmanager
-def _named(file: str, profile: str) -> Iterator[None]:
-    """Errors get the name of the file they are about."""
-    try:
-        yield
-    except GcodeError as error:
-        raise error.at(file) from None
-    except LimitError as error:
-        raise LimitError(f"{file}: {error}") from None
-    except ModelError as error:
-        raise ModelError(f"{profile}: {error}") from None
-
-
 def _again(first: bytes, rest: Iterator[bytes]) -> Iterator[bytes]:
     if first:
         yield first
     yield from rest
-
-
-@contextmanager
-def _progress(file: str, quiet: bool) -> Iterator[Callable[[int], None]]:
-    """A bar on standard error, if that is a terminal and the file's size is known."""
-    if quiet or file == DASH or not sys.stderr.isatty():
-        yield lambda done: None
-        return
-    with click.progressbar(length=Path(file).stat().st_size, label=Path(file).name, file=sys.stderr) as bar:  # type: ignore[var-annotated]
-        yield lambda done: bar.update(done - bar.pos)
 
 
 @contextmanager

@@ -1,0 +1,25 @@
+"""Options that several verbs share."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+import click
+
+
+class Number(click.FloatRange):
+    """A finite number in a range: click's own lets nan and inf through."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if not isfinite(number):
+            self.fail(f"{value!r} is not a finite number.", param, ctx)
+        return number
+
+
+printer_option = click.option(
+    "-p", "--printer", metavar="NAME|FILE", help="Printer profile (else FBF_PRINTER, else ~/.config/fbf/printer.toml)."
+)
+json_option = click.option("--json", "json_to", metavar="FILE", help="Write the summary as JSON; - is standard output.")
+quiet_option = click.option("-q", "--quiet", is_flag=True, help="No progress, no summary; errors are still told.")
