@@ -12,33 +12,35 @@ was set may be given up, if a better one is near.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 REACH = 8  # candidates that a chord may span
 ROW = 128  # candidates between nodes that are set: some 0.4 s
 
 
-@dataclass(frozen=True)
-class _Sums:
-    """Sums over the samples between neighbouring candidates, shape (m - 1,).
+class _Axis:
+    """Sums over the samples of chords that grow by one candidate at a time, along one axis.
 
-    k counts samples from the first of the two candidates, v is the command along one axis less its value there.
+    v  : ndarray, shape (m - 1,)   sum of v between neighbouring candidates, v counted from the first of them
+    vv, kv : likewise of v^2 and k v
+    Vv, Kv : the same over the whole chord, v and k counted from where it begins
     """
 
-    v: np.ndarray
-    vv: np.ndarray
-    kv: np.ndarray
+    def __init__(self, u: np.ndarray, at: np.ndarray, k: np.ndarray):
+        self.value = u[at]
+        v = u[at[0] : at[-1]] - np.repeat(self.value[:-1], np.diff(at))
+        self.v, self.vv, self.kv = (np.add.reduceat(samples, at[:-1] - at[0]) for samples in (v, v * v, k * v))
+        self.Vv, self.Kv = np.zeros(len(at) - 1), np.zeros(len(at) - 1)
 
-    @classmethod
-    def of(cls, u: np.ndarray, at: np.ndarray) -> _Sums:
-        """u : ndarray, shape (n,)   command along one axis;   at : ndarray of int, shape (m,)   candidates"""
-        first, length = at[:-1], np.diff(at)
-        v = u[at[0] : at[-1]] - np.repeat(u[first], length)
-        k = np.arange(at[0], at[-1]) - np.repeat(first, length)
-        rows = first - at[0]
-        return cls(*(np.add.reduceat(samples, rows) for samples in (v, v * v, k * v)))
+    def cost(self, w: int, dk: np.ndarray, n: np.ndarray, span: np.ndarray, Kk: np.ndarray) -> np.ndarray:
+        """c of the chords over w + 1 intervals, those over w grown by one: n samples, dk after the chord begins."""
+        begin, value = self.value[: len(span)], self.value[w:]
+        dv = value[:-1] - begin
+        grown = dv * n
+        self.Vv = self.Vv[: len(span)] + self.vv[w:] + dv * (2.0 * self.v[w:] + grown)
+        self.Kv = self.Kv[: len(span)] + self.kv[w:] + dk * (self.v[w:] + grown) + dv * (0.5 * n * (n - 1.0))
+        s = (value[1:] - begin) / span
+        return self.Vv + s * (s * Kk - 2.0 * self.Kv)
 
 
 def chord_costs(u: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -51,24 +53,14 @@ def chord_costs(u: np.ndarray, at: np.ndarray) -> np.ndarray:
     """
     m = len(at)
     cost = np.full((REACH, m), np.inf)
-    cost[:, 1:] = 0.0
-    length = np.diff(at).astype(float)
-    for axis in range(2):
-        own, value = _Sums.of(u[:, axis], at), u[at, axis]
-        Vv, Kv = np.zeros(m - 1), np.zeros(m - 1)
-        for w in range(min(REACH, m - 1)):
-            here = slice(w, None)  # the w-th interval of the chord that begins w candidates before it
-            n, first = length[here], slice(None, m - 1 - w)
-            dv, dk = value[w : m - 1] - value[first], (at[w : m - 1] - at[first]).astype(float)
-            Vv, Kv = Vv[: m - 1 - w], Kv[: m - 1 - w]
-            Kv = Kv + own.kv[here] + dk * own.v[here] + dv * (n * (0.5 * (n - 1.0) + dk))
-            Vv = Vv + own.vv[here] + dv * (2.0 * own.v[here] + n * dv)
-            span = (at[w + 1 :] - at[first]).astype(float)
-            s = (value[w + 1 :] - value[first]) / span
-            Kk = (span - 1.0) * span * (2.0 * span - 1.0) / 6.0
-            cost[w, w + 1 :] += Vv + s * (s * Kk - 2.0 * Kv)
-    for w in range(REACH):
-        cost[w, : w + 1] = np.inf
+    length = np.diff(at)
+    k = (np.arange(at[0], at[-1]) - np.repeat(at[:-1], length)).astype(float)
+    x, y = (_Axis(u[:, axis], at, k) for axis in range(2))
+    for w in range(min(REACH, m - 1)):
+        n, dk = length[w:].astype(float), (at[w:-1] - at[: m - 1 - w]).astype(float)
+        span = dk + n
+        Kk = (span - 1.0) * span * (2.0 * span - 1.0) / 6.0
+        cost[w, w + 1 :] = x.cost(w, dk, n, span, Kk) + y.cost(w, dk, n, span, Kk)
     return cost
 
 
