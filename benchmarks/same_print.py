@@ -27,7 +27,6 @@ from fbfcli.printer import Limits, Printer
 EPS_E = 1e-4  # mm of filament over a file
 EPS_XY = 1.5e-5  # mm: one unit of the last decimal, and rounding of sums
 MARLIN_STEPS = 6
-SLOW = 0.1  # mm/s: twice Marlin's minimum planner speed
 REST = 10.0  # mm/s: no faster than this, X and Y arrive at a place where they are to rest
 SPEED_ROOM = 1.02  # of the highest command speed: time is fed back by speed
 SWITCHES = ("xy_relative", "e_relative", "inch", "speed_factor")
@@ -205,15 +204,15 @@ def no_zero_length(before: Reading, after: Reading, pairs: Pairs, printer: Print
 
 
 def none_lost_for_steps(before: Reading, after: Reading, pairs: Pairs, printer: Printer) -> list[str]:
-    """Marlin drops a segment of fewer than MIN_STEPS_PER_SEGMENT steps, unless X and Y rest before and after it."""
+    """Marlin drops a segment of fewer than MIN_STEPS_PER_SEGMENT steps. One between moves of Z or E alone is a move of
+    the input's that is as short."""
     if printer.firmware != "marlin":
         return []
-    moves, plan = after.moves, after.plan
     steps = np.array([axis.steps_per_mm for axis in printer.axes[:2]])
-    few = (np.abs(moves.delta[:, :2]) * steps).max(axis=1, initial=0.0) < MARLIN_STEPS - 1e-6
-    alone = (plan.v_start <= SLOW) & (plan.v_end <= SLOW)
-    lost = few & ~alone & _ours(before, after)[moves.line]
-    return _told("segments that Marlin drops", after, moves.line[lost].tolist())
+    most = (np.abs(after.moves.delta[:, :2]) * steps).max(axis=1, initial=0.0)
+    still = np.concatenate([[True], most == 0.0, [True]])
+    lost = (most < MARLIN_STEPS - 1e-6) & ~(still[:-2] & still[2:]) & _ours(before, after)[after.moves.line]
+    return _told("segments that Marlin drops", after, after.moves.line[lost].tolist())
 
 
 def _ours(before: Reading, after: Reading) -> np.ndarray:

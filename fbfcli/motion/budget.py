@@ -9,6 +9,7 @@ import numpy as np
 BURST = 8.0  # segments: half of the smallest queue (16), so that corners may have more and straight lines fewer
 FITTED = 4.0  # tolerances that a fit may move nodes towards each other
 ROOM = 1.1  # segments are planned this much longer than the shortest that the firmware keeps: the fit moves nodes
+ROUNDED = 2e-5  # mm that five decimals and a nudge may take from a segment
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Budget:
 
     def is_lost(self, step: np.ndarray, lasts: np.ndarray) -> np.ndarray:
         """Segments that the firmware drops or speeds up, bool; `step` [mm] along the axis that moves most, time [s]."""
-        return step < np.maximum(self.min_length, self.min_speed * lasts)
+        return step - ROUNDED < np.maximum(self.min_length, self.min_speed * lasts)
 
     def is_short(self, step: np.ndarray, lasts: np.ndarray) -> np.ndarray:
         """Chords of the command that might be so once their ends are fitted."""
