@@ -34,7 +34,7 @@ class Result:
     peak: float
 
     HEAD = (
-        "| method | contour error RMS | 99 % | max | print time | follow error RMS | segments/s | peak acceleration |",
+        "| method | contour error RMS | 99 % | max | print time | chord error RMS | segments/s | peak acceleration |",
         "|---|---|---|---|---|---|---|---|",
     )
 
@@ -44,7 +44,7 @@ class Result:
         told = self.summary
         error = told.contour_after
         cells = (f"`{told.method}`", f"{error.rms:.1f}", f"{error.p99:.0f}", f"{error.max:.0f}", clock(told.time),
-                 f"{told.follow_error.rms:.1f}", f"{told.segments_per_second:.0f}",
+                 f"{told.chord_error.rms:.1f}", f"{told.segments_per_second:.0f}",
                  f"{self.peak / 1000:.1f}")  # fmt: skip
         return f"| {' | '.join(cells)} |"
 

@@ -26,6 +26,7 @@ from fbfcli.printer import Limits, Printer
 
 EPS_E = 1e-4  # mm of filament over a file
 EPS_XY = 1.5e-5  # mm: one unit of the last decimal, and rounding of sums
+MARLIN_STEPS = 6
 REST = 10.0  # mm/s: no faster than this, X and Y arrive at a place where they are to rest
 SPEED_ROOM = 1.02  # of the highest command speed: time is fed back by speed
 SWITCHES = ("xy_relative", "e_relative", "inch", "speed_factor")
@@ -202,6 +203,18 @@ def no_zero_length(before: Reading, after: Reading, pairs: Pairs, printer: Print
     return _told("segments without length", after, np.flatnonzero(ours & ~moved).tolist())
 
 
+def none_lost_for_steps(before: Reading, after: Reading, pairs: Pairs, printer: Printer) -> list[str]:
+    """Marlin drops a segment of fewer than MIN_STEPS_PER_SEGMENT steps. One between moves of Z or E alone is a move of
+    the input's that is as short."""
+    if printer.firmware != "marlin":
+        return []
+    steps = np.array([axis.steps_per_mm for axis in printer.axes[:2]])
+    most = (np.abs(after.moves.delta[:, :2]) * steps).max(axis=1, initial=0.0)
+    still = np.concatenate([[True], most == 0.0, [True]])
+    lost = (most < MARLIN_STEPS - 1e-6) & ~(still[:-2] & still[2:]) & _ours(before, after)[after.moves.line]
+    return _told("segments that Marlin drops", after, after.moves.line[lost].tolist())
+
+
 def _ours(before: Reading, after: Reading) -> np.ndarray:
     """Lines of the output that fbf wrote as segments: X, Y and F, and not in the input; bool, shape (n,)."""
     words = after.block.lines.words
@@ -269,5 +282,5 @@ def _told(words: str, reading: Reading, lines: list[int]) -> list[str]:
     return [f"{words}: {quoted}{f' and {len(lines) - MOST_TOLD} more' if len(lines) > MOST_TOLD else ''}"]
 
 
-LAWS = (stamped, no_absurd_word, same_totals, same_at_barriers, same_at_end, no_zero_length, same_standing_moves,
-        stays_within_limits, no_thicker_line)  # fmt: skip
+LAWS = (stamped, no_absurd_word, same_totals, same_at_barriers, same_at_end, no_zero_length, none_lost_for_steps,
+        same_standing_moves, stays_within_limits, no_thicker_line)  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
+from check_print import is_not_followed
 from same_print import check
 
 from fbfcli.cli.lookup import find_printer
@@ -65,6 +66,14 @@ def with_a_segment_twice(text: bytes) -> bytes:
     return text.replace(segment, segment + re.sub(rb" E\S+", b"", segment), 1)
 
 
+def with_a_segment_of_one_step(text: bytes) -> bytes:
+    """A hundredth of a millimetre before a long segment, and without filament."""
+    segment = segments_of(text)[5]
+    before = text[: text.index(segment)].splitlines()[-1]
+    x, y = (float(word[1:]) for word in before.split()[1:3])
+    return text.replace(segment, b"G1 X%.2f Y%.5f F600\n" % (x + 0.01, y) + segment, 1)
+
+
 def without_limits_put_back(text: bytes) -> bytes:
     """The last lines that set limits are those after the last run."""
     lines = text.splitlines(keepends=True)
@@ -96,6 +105,12 @@ def test_a_spoilt_print_is_found_out(print_, spoil, told):
     assert any(told in failure for failure in check(ORIGINAL, spoil(text), printer))
 
 
+def test_marlin_would_drop_a_segment_of_few_steps(print_):
+    printer, text = print_
+    failures = check(ORIGINAL, with_a_segment_of_one_step(text), printer)
+    assert any("that Marlin drops" in failure for failure in failures) == (printer.firmware == "marlin")
+
+
 def test_klipper_would_refuse_a_thick_segment():
     printer = find_printer("synthetic_bed_slinger")
     pieces: list[bytes] = []
@@ -110,6 +125,17 @@ EVERY_LIMIT = {
     "marlin": b"M204 P1000 T1500 R700\nM203 X200 Z2 E11\nM201 Y900 Z50 E400\nM205 X7 Z0.2 E3\n",
     "klipper": b"SET_VELOCITY_LIMIT VELOCITY=150 ACCEL=1500 SQUARE_CORNER_VELOCITY=4 MINIMUM_CRUISE_RATIO=0.4\n",
 }
+
+
+@pytest.mark.parametrize(("figures", "told"), [
+    ({}, []),
+    ({"follow_error": {"rms": 3.1, "max": 9.0}}, ["followed to 3.10, 9.0 um"]),
+    ({"follow_error": {"rms": 1.0, "max": 16.0}}, ["followed to 1.00, 16.0 um"]),
+    ({"clock_drift_ppm": -5.2}, ["the clock drifts by -5.2 ppm"]),
+])  # fmt: skip
+def test_a_print_that_is_not_followed_fails(figures, told):
+    good = {"follow_error": {"rms": 3.0, "max": 15.0}, "clock_drift_ppm": 5.0}
+    assert is_not_followed(good | figures) == told
 
 
 def test_every_limit_that_changes_on_the_way_is_in_force_afterwards(print_):

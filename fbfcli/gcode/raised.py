@@ -1,7 +1,9 @@
 """Limits raised before a compensated stretch and put back after it, in each firmware's words.
 
-A segment of length d lasts d/F only if the planner is not made to slow down, so its limits must not bind. Only X and Y
-are raised: moves of Z or E alone keep the limits they had.
+A segment of length d lasts d/F only if the planner is not made to slow down, so its limits must not bind. X and Y are
+raised; moves of Z or E alone keep the limits they had. Marlin's acceleration of E (M201) is raised too: E runs evenly
+in time, but where X and Y change their speed from one segment to the next, the ratio of E to the path jumps, and Marlin
+would hold the path back by E's limit. Moves of E alone have their own there (M204 R); in RepRapFirmware they have not.
 Klipper: SET_VELOCITY_LIMIT, SET_INPUT_SHAPER. Marlin: M201, M203, M204, M205, M593, M493. RepRapFirmware: M201, M203
 (mm/min), M204, M566 (mm/min), M593.
 """
@@ -20,6 +22,7 @@ KLIPPER_CORNER = 1e5
 XY_VELOCITY = 2000.0
 XY_ACCELERATION = 1e6  # times 100 steps/mm still fits the planner's 32-bit steps/s^2
 XY_JERK = 1000.0
+E_ACCELERATION = 1e5  # a wipe then changes its speed within a millisecond; times 1,000 steps/mm it fits 32 bits as well
 JUNCTION_DEVIATION = 0.3  # the most that M205 J accepts
 MARLIN_SEGMENT_US = 20_000  # DEFAULT_MINSEGMENTTIME: M205 B0 keeps Marlin from stretching short segments
 
@@ -40,7 +43,7 @@ def raised(firmware: str, limits: Limits) -> Limits:
         acceleration=XY_ACCELERATION,
         travel_acceleration=XY_ACCELERATION,
         axis_velocity=_xy(limits.axis_velocity, XY_VELOCITY),
-        axis_acceleration=_xy(limits.axis_acceleration, XY_ACCELERATION),
+        axis_acceleration=_with_e(firmware, _xy(limits.axis_acceleration, XY_ACCELERATION)),
         jerk=_xy(limits.jerk, XY_JERK),
         junction_deviation=deviation if isnan(deviation) else JUNCTION_DEVIATION,
     )
@@ -50,6 +53,12 @@ def _xy(values: Four, top: float) -> Four:
     """X and Y raised to `top`; an entry that is unlimited is left so (it could not be put back)."""
     x, y = (top if isfinite(v) else v for v in values[:2])
     return (x, y, values[2], values[3])
+
+
+def _with_e(firmware: str, acceleration: Four) -> Four:
+    """E raised as well where moves of E alone do not heed it; an unlimited one is left so."""
+    x, y, z, e = acceleration
+    return (x, y, z, max(e, E_ACCELERATION)) if firmware == "marlin" else acceleration
 
 
 def shaper_off(firmware: str) -> list[str]:
@@ -64,7 +73,7 @@ def shaper_off(firmware: str) -> list[str]:
 def raise_lines(firmware: str, limits: Limits) -> list[str]:
     """Lines before a compensated stretch where `limits` are in force."""
     segment_time = ["M205 B0"] if firmware == "marlin" else []
-    return shaper_off(firmware) + _limit_lines(firmware, raised(firmware, limits), limits, "XY") + segment_time
+    return shaper_off(firmware) + _limit_lines(firmware, raised(firmware, limits), limits, "XYE") + segment_time
 
 
 def restore_lines(firmware: str, limits: Limits, base: Limits) -> list[str]:
@@ -74,7 +83,7 @@ def restore_lines(firmware: str, limits: Limits, base: Limits) -> list[str]:
            too
     """
     segment_time = [f"M205 B{MARLIN_SEGMENT_US}"] if firmware == "marlin" else []
-    return _limit_lines(firmware, limits, base, "XYZE") + segment_time
+    return _limit_lines(firmware, limits, raised(firmware, base), "XYZE") + segment_time
 
 
 def _limit_lines(firmware: str, limits: Limits, base: Limits, axes: str) -> list[str]:

@@ -18,7 +18,7 @@ from fbfcli.motion.profile import Profile, profile
 
 ATTEMPTS = 5  # of asking the planner
 ON_TIME_S = 1e-5  # lateness that is left to the next batch
-HELD_UP_S = 1e-6  # a segment this late after its loss was corrected cannot be faster
+HELD_UP = 1e-3  # of a segment's time: one this late after its loss was corrected cannot be faster
 LEAST_SHARE = 0.6  # of the wanted time: where the planner cannot be faster, F must not run away
 CATCH_UP = 0.05  # of a segment's time may make good what earlier ones were late
 
@@ -64,7 +64,7 @@ def timed(
             ask = np.maximum(ask - (done.duration - ask), least)
         else:
             side = _side(lateness(error, starts, late), starts)
-            capacity = np.where(side * error > HELD_UP_S, 0.0, CATCH_UP * wanted)
+            capacity = np.where(side * error > HELD_UP * wanted, 0.0, CATCH_UP * wanted)
             ask = np.maximum(ask - side * made_good(side * error, capacity, starts, float(side[0]) * late), least)
     return asked, done
 

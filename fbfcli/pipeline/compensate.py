@@ -13,7 +13,7 @@ from fbfcli.control.design import design
 from fbfcli.control.limits import Box
 from fbfcli.errors import ProfileError
 from fbfcli.gcode.stamp import stamp
-from fbfcli.motion.nodes import Budget
+from fbfcli.motion.budget import Budget
 from fbfcli.pipeline.commander import Commander, Remedies
 from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.scribe import Patch, Scribe
@@ -115,11 +115,11 @@ def _box(printer: Printer) -> Box:
 
 def _budget(printer: Printer, settings: Settings) -> Budget:
     rate = settings.segments_per_second or printer.segments_per_second
-    finest = max(axis.steps_per_mm for axis in printer.axes[:2])
+    coarsest = min(axis.steps_per_mm for axis in printer.axes[:2])
     return Budget(
         settings.tolerance,
         rate,
-        min_length=MARLIN_STEPS / finest if printer.firmware == "marlin" else 0.0,
+        min_length=MARLIN_STEPS / coarsest if printer.firmware == "marlin" else 0.0,
         min_speed=REPRAP_SPEED if printer.firmware == "reprapfirmware" else 0.0,
     )
 
@@ -147,6 +147,7 @@ def _summary(
         busiest_second=tally.busiest,
         budget=budget.max_rate,
         follow_error=Errors(**tally.follow.figures()),
+        chord_error=Errors(**tally.chord.figures()),
         clock_drift_ppm=tally.drift_ppm,
         contour_before=Errors(**tally.before.figures()),
         contour_after=Errors(**tally.after.figures()),

@@ -12,9 +12,10 @@ from fbfcli.gcode.placement import Places, forced, segment_of
 from fbfcli.gcode.raised import raised
 from fbfcli.gcode.words import SCALE
 from fbfcli.gcode.write import Modes, Words, feed_of, speed_of, words_of
+from fbfcli.motion.budget import Budget
 from fbfcli.motion.extrusion import check_extrusion
 from fbfcli.motion.moves import Moves
-from fbfcli.motion.nodes import Budget, break_points, thinned
+from fbfcli.motion.nodes import break_points, thinned
 from fbfcli.motion.planner import Part
 from fbfcli.motion.polyline import Polyline, fit, fit_through
 from fbfcli.motion.profile import Profile
@@ -93,21 +94,30 @@ class Segmenter:
 
     def _fitted(self, u: np.ndarray, node: np.ndarray, pinned: np.ndarray) -> np.ndarray:
         """X and Y of the nodes, within the travel."""
-        xy = self._best(u, Polyline(node, pinned))
-        slow = np.abs(np.diff(xy, axis=0)).max(axis=1) < self._budget.min_speed * self.dt * np.diff(node)
-        if slow.any():  # the firmware would speed them up: these nodes are better on the command itself
-            xy = self._best(u, Polyline(node, pinned | np.append(slow, False) | np.append(False, slow)))
+        xy = self._best(u, node, pinned)
+        while (lost := self._ends_of_lost(xy, node) & (xy != u[node]).any(axis=1)).any():
+            xy[lost] = u[node[lost]]
         low, high = np.array([axis.travel for axis in self._printer.axes[:2]]).T
         inside = np.clip(xy, low + EDGE_MM, high - EDGE_MM)  # a node beyond the travel would end the print
         return np.where(pinned[:, None], xy, inside)
 
-    def _best(self, u: np.ndarray, polyline: Polyline) -> np.ndarray:
+    def _best(self, u: np.ndarray, node: np.ndarray, pinned: np.ndarray) -> np.ndarray:
         """Nodes nearest to the command; where they are too few for the tolerance, those best for the nozzle."""
+        polyline = Polyline(node, pinned)
         xy = fit(u, polyline)
+        lost = self._ends_of_lost(xy, node) & ~pinned
+        if lost.any():
+            polyline = Polyline(node, pinned | lost)
+            xy = fit(u, polyline)
         off = u - np.column_stack([polyline.curve(xy[:, axis]) for axis in range(2)])
         if np.einsum("ij,ij->", off, off) > len(u) * self._budget.tolerance**2:
             return fit_through(xy, u, polyline, self._plants)
         return xy
+
+    def _ends_of_lost(self, xy: np.ndarray, node: np.ndarray) -> np.ndarray:
+        """Nodes of segments that the firmware would lose: these are better on the command itself; bool, shape (m,)."""
+        lost = self._budget.is_lost(np.abs(np.diff(xy, axis=0)).max(axis=1), self.dt * np.diff(node))
+        return np.append(lost, False) | np.append(False, lost)
 
     def _needed(self, batch: Batch, part: Part, places: Places) -> np.ndarray:
         """Samples that must be nodes: E or Z changes its speed, or a line wants its time."""

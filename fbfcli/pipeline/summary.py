@@ -27,7 +27,10 @@ class Summary:
     segments             : written
     segments_per_second  : mean over compensated motion; `busiest_second` the most in one second
     budget               : segments per second that the firmware takes
-    follow_error         : executed position of the written file against the command
+    follow_error         : executed position of the written file against the polyline it stands for, segment by
+                           segment at the wanted time
+    chord_error          : that polyline against the smooth command; where the firmware takes fewer or no shorter
+                           segments than the tolerance asks for, it is fitted so that the nozzle comes out best
     clock_drift_ppm      : executed time of the written segments against the wanted time
     contour_before, contour_after : predicted distance of the nozzle from the desired path while extruding,
                            of the same plan uncompensated and of the written file
@@ -47,6 +50,7 @@ class Summary:
     busiest_second: int
     budget: float
     follow_error: Errors
+    chord_error: Errors
     clock_drift_ppm: float
     contour_before: Errors
     contour_after: Errors
@@ -63,7 +67,7 @@ class Summary:
     def text(self) -> str:
         """For people, on stderr."""
         before, after = self.contour_before, self.contour_after
-        follow = self.follow_error
+        follow, chord = self.follow_error, self.chord_error
         rows = [
             ("print time", f"{clock(self.time_as_sliced)} -> {clock(self.time)}"),
             (
@@ -75,6 +79,7 @@ class Summary:
                 "follow error",
                 f"{follow.rms:.1f} um rms, {follow.max:.1f} um max; clock drift {self.clock_drift_ppm:+.2f} ppm",
             ),
+            ("chord error", f"{chord.rms:.1f} um rms, {chord.max:.1f} um max: written segments off the smooth command"),
             (
                 "contour error",
                 f"{before.rms:.1f} -> {after.rms:.1f} um rms, {before.p99:.0f} -> {after.p99:.0f} um 99 %, "

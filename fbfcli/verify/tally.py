@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fbfcli.motion.polyline import Polyline
 from fbfcli.motion.profile import Profile
 from fbfcli.motion.sample import sample
 from fbfcli.verify.contour_error import REACH, ErrorTally, contour_error
@@ -53,16 +54,32 @@ class Stretches:
 
     def positions(self) -> np.ndarray:
         """X and Y that the planner model executes, on the samples, shape (n, 2)."""
-        counts = np.diff(np.append(self.first, len(self.distance)))
-        elapsed = np.cumsum(self.executed.duration) - self.executed.duration
-        t0 = elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], counts)
+        t0 = self._starts(self.executed.duration)
         if self.begun:
-            t0[: counts[0]] += self.late
+            t0[: self._counts[0]] += self.late
         start, delta = self.start[:, :2], self.delta[:, :2]
         x, _ = sample(start, delta, self.distance, self.executed, t0, len(self.desired), self.dt)
         new = slice(1 if self.begun else 0, None)
         x[self.begin[new]] = start[self.first[new]]
         return x
+
+    def polyline(self) -> np.ndarray:
+        """X and Y that the written segments stand for: each at constant speed, in its wanted time, shape (n, 2)."""
+        start, last = self.start[:, :2], np.cumsum(self._counts) - 1
+        node = np.rint(self._starts(self.wanted) / self.dt).astype(np.int64)
+        hats = Polyline(np.insert(node, last + 1, self.end), np.zeros(len(node) + len(last), dtype=bool))
+        values = np.insert(start, last + 1, start[last] + self.delta[last, :2], axis=0)
+        return np.column_stack([hats.curve(values[:, axis]) for axis in range(2)])
+
+    @property
+    def _counts(self) -> np.ndarray:
+        """Segments of each stretch."""
+        return np.diff(np.append(self.first, len(self.distance)))
+
+    def _starts(self, duration: np.ndarray) -> np.ndarray:
+        """When each segment begins if each stretch does so on time, shape (k,) [s]."""
+        elapsed = np.cumsum(duration) - duration
+        return elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], self._counts)
 
 
 @dataclass(frozen=True)
@@ -90,14 +107,15 @@ class Tally:
     """What the written file does on the printer's own model, so far.
 
     plants : (b, a) of X and Y
-    follow, before, after : errors of the executed command, of the nozzle uncompensated and compensated
+    follow, chord : what is executed against the polyline that is written, and that against the command
+    before, after : errors of the nozzle uncompensated and compensated
     """
 
     def __init__(self, plants: Sequence[tuple[np.ndarray, np.ndarray]]):
         self._uncompensated, self._compensated = Nozzle(plants), Nozzle(plants)
         self._open: _Paths | None = None  # the last samples of a stretch that goes on
         self._counted = 0  # those of them that are counted already
-        self.follow, self.before, self.after = ErrorTally(), ErrorTally(), ErrorTally()
+        self.follow, self.chord, self.before, self.after = (ErrorTally() for _ in range(4))
         self.segments = 0
         self.wanted_s = self.executed_s = 0.0
         self.busiest = 0  # segments within one second
@@ -109,10 +127,10 @@ class Tally:
         self.wanted_s += float(part.wanted.sum())
         self.executed_s += float(part.executed.duration.sum())
         self._count_seconds(part.wanted)
-        x = part.positions()
+        x, polyline = part.positions(), part.polyline()
         new = slice(1 if part.begun else 0, None)
-        ex, ey = x[new, 0] - part.command[new, 0], x[new, 1] - part.command[new, 1]
-        self.follow.add(np.sqrt(ex * ex + ey * ey))
+        self.follow.add(_distance(x[new], polyline[new]))
+        self.chord.add(_distance(polyline[new], part.command[new]))
         begin, rest = (part.begin[1:] - 1, part.rest[1:]) if part.begun else (part.begin, part.rest)
         before = self._uncompensated.follow(part.desired[new], begin, rest)
         after = self._compensated.follow(x[new], begin, rest)
@@ -149,3 +167,9 @@ class Tally:
     def rate(self) -> float:
         """Segments per second of compensated motion."""
         return self.segments / self.wanted_s if self.wanted_s else 0.0
+
+
+def _distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Between points of the same sample, shape (n,)."""
+    x, y = a[:, 0] - b[:, 0], a[:, 1] - b[:, 1]
+    return np.sqrt(x * x + y * y)

@@ -1,4 +1,4 @@
-"""Laws of raised limits: what the lines say is what the planner model sees, and Z and E keep theirs."""
+"""Laws of raised limits: what the lines say is what the planner model sees; moves of Z and E alone keep theirs."""
 
 from math import inf, isnan, nan
 
@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from reading_cases import block_of
 
-from fbfcli.gcode.raised import raise_lines, raised, restore_lines, shaper_off
+from fbfcli.gcode.raised import E_ACCELERATION, raise_lines, raised, restore_lines, shaper_off
 from fbfcli.printer import FIRMWARES, Limits
 
 speeds, corners = st.floats(1, 999), st.floats(0.1, 30)
@@ -65,28 +65,38 @@ def test_lines_put_in_force_what_they_were_made_for(firmware, data):
     same(firmware, in_force(raise_lines(firmware, wanted), firmware), raised(firmware, wanted), 2)
 
 
+@given(st.data())
+def test_marlin_takes_e_along_and_puts_it_back(data):
+    wanted = data.draw(limits("marlin"))
+    up = raise_lines("marlin", wanted)
+    assert in_force(up, "marlin").axis_acceleration[3] == E_ACCELERATION
+    assert in_force([*up, *restore_lines("marlin", wanted, wanted)], "marlin").axis_acceleration[3] == 4000.0
+
+
 @pytest.mark.parametrize("firmware", FIRMWARES)
 @given(st.data())
 def test_what_did_not_change_in_z_and_e_is_not_told(firmware, data):
     wanted = data.draw(limits(firmware))
     lines = raise_lines(firmware, wanted) + restore_lines(firmware, wanted, wanted)
-    assert not [
-        line for line in lines if line.startswith(("M201", "M203", "M205", "M566")) and ("Z" in line or "E" in line)
-    ]
+    told = ("M203", "M205", "M566") if firmware == "marlin" else ("M201", "M203", "M205", "M566")
+    assert not [line for line in lines if line.startswith("M201") and "Z" in line]
+    assert not [line for line in lines if line.startswith(told) and ("Z" in line or "E" in line)]
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
 @given(st.data())
-def test_x_and_y_are_raised_and_z_and_e_keep_theirs(firmware, data):
+def test_x_and_y_are_raised_and_moves_of_z_and_e_alone_keep_theirs(firmware, data):
     before = data.draw(limits(firmware))
     after = raised(firmware, before)
     assert after.acceleration >= before.acceleration and after.velocity >= before.velocity
     assert after.square_corner_velocity >= before.square_corner_velocity
     for name in PER_AXIS:
         own, high = getattr(before, name), getattr(after, name)
-        assert high[2:] == own[2:]
+        assert high[2] == own[2]
+        assert high[3] == own[3] or (firmware == "marlin" and name == "axis_acceleration")
         assert all(b >= a for a, b in zip(own[:2], high[:2], strict=True))
     assert raised(firmware, after) == after
+    assert after.retract_acceleration == before.retract_acceleration
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)

@@ -1,5 +1,7 @@
 """Laws of fed-back time: the planner of each firmware spends what each segment should last."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -71,6 +73,22 @@ def test_lateness_is_made_good(firmware, case, late):
     left = late + done.duration.sum() - wanted.sum()
     assert left <= max(late - 0.04 * wanted.sum(), 0.0) + 3e-5 + 2e-5 * wanted.sum()
     assert left > -5e-5
+
+
+@pytest.mark.parametrize("firmware", ("marlin", "reprapfirmware"))
+@given(st.floats(8.0, 11.0), st.floats(1.0, 4.0), st.integers(34, 60))
+def test_what_the_extruder_held_up_is_made_good_by_the_slow_segment_before_the_stop(firmware, pulled, speed, lasts):
+    """A wipe: E is pulled through chords that must change their speed, then crawls to the stop."""
+    limits = replace(RAISED, axis_velocity=(2000.0, 2000.0, 20.0, 25.0), axis_acceleration=(1e6, 1e6, 500.0, 9000.0),
+                     jerk=(1000.0, 1000.0, 0.4, 10.0))  # fmt: skip
+    wanted = np.array([12, 7, 3, 4, lasts]) * 1e-3
+    d = np.array([36.0, 22.0, 13.0, 60.0, speed]) * wanted
+    e = -np.array([pulled, pulled, pulled, pulled, 3.0]) * wanted
+    moves = moves_of(np.column_stack([d, 0 * d, 0 * d, e]), 100.0, limits)
+    _, done = timed(moves, wanted, 0.0, firmware, to_words)
+    late = np.cumsum(done.duration - wanted)
+    assert late[:-1].max() > 5e-5, "it is held up"
+    assert abs(late[-1]) < 3e-5
 
 
 rows = st.lists(st.tuples(st.floats(-1e-3, 1e-3), st.floats(0, 1e-3), st.booleans()), min_size=1, max_size=40)

@@ -49,7 +49,7 @@ def piece(nodes, command, extruding, wanted, lasts, a: int, b: int, of: int) -> 
 
 
 def figures(tally: Tally) -> dict[str, dict[str, float]]:
-    return {name: getattr(tally, name).figures() for name in ("follow", "before", "after")}
+    return {name: getattr(tally, name).figures() for name in ("follow", "chord", "before", "after")}
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 60))
@@ -59,6 +59,27 @@ def test_segments_that_do_the_command_follow_it_and_a_rigid_nozzle_has_no_error(
     assert all(one["max"] < 1e-6 for one in figures(tally).values())
     assert tally.segments == segments and tally.drift_ppm == pytest.approx(0.0, abs=1e-6)
     assert tally.rate == pytest.approx(1 / (STEP * DT))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(2, 60), st.floats(1e-3, 0.5))
+def test_what_the_segments_leave_of_the_command_is_chord_error_not_follow_error(seed, segments, off):
+    """A command that swings between the nodes is followed by none of it: the segments are executed as they are."""
+    part = stretch(seed, segments)
+    swing = off * np.sin(np.pi * np.arange(len(part.command)) / STEP)
+    tally = Tally(RIGID)
+    tally.add(Stretches(**{**part.__dict__, "command": part.command + np.column_stack([swing, 0 * swing])}))
+    assert tally.follow.figures()["max"] < 1e-6
+    assert tally.chord.figures()["max"] == pytest.approx(1e3 * np.abs(swing).max(), rel=1e-6)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(2, 60), st.floats(1e-6, 1e-3))
+def test_what_is_executed_late_is_follow_error_not_chord_error(seed, segments, late):
+    part = stretch(seed, segments, late)
+    tally = Tally(RIGID)
+    tally.add(part)
+    speed = np.hypot(*np.diff(part.polyline(), axis=0).T).max() / DT
+    assert tally.chord.figures()["max"] < 1e-6
+    assert 0.0 < tally.follow.figures()["max"] <= 1e3 * speed * late * segments * STEP * DT + 1e-6
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.floats(-1e-3, 1e-3))
@@ -92,8 +113,9 @@ def test_a_stretch_in_pieces_has_the_figures_of_the_stretch(seed, segments, cuts
     ends = sorted({cut for cut in cuts if cut < segments} | {0, segments})
     for a, b in pairwise(ends):
         many.add(piece(nodes, whole.command, whole.extruding, whole.wanted, whole.executed.duration, a, b, segments))
-    for name in ("rms", "max"):
-        assert figures(many)["follow"][name] == pytest.approx(figures(one)["follow"][name], rel=1e-6, abs=1e-6)
+    for kind in ("follow", "chord"):
+        for name in ("rms", "max"):
+            assert figures(many)[kind][name] == pytest.approx(figures(one)[kind][name], rel=1e-6, abs=1e-6)
     assert many.drift_ppm == pytest.approx(one.drift_ppm, abs=1e-6) and many.segments == one.segments
     if segments > 60:
         for name in ("before", "after"):
@@ -117,6 +139,6 @@ def test_stretches_after_a_rest_are_told_apart():
     apart.add(first)
     apart.add(Stretches(**{**first.__dict__, "rest": np.array([30])}))
     assert together.segments == apart.segments == 40
-    for name in ("follow", "before", "after"):
+    for name in ("follow", "chord", "before", "after"):
         a, b = figures(together)[name], figures(apart)[name]
         assert b["rms"] == pytest.approx(a["rms"], rel=0.1, abs=1e-6)
