@@ -69,3 +69,16 @@ def merged(motors: Sequence[MotorSteps]) -> tuple[np.ndarray, np.ndarray, np.nda
 def parted(time: np.ndarray, motor: np.ndarray, forward: np.ndarray, count: int) -> tuple[MotorSteps, ...]:
     """The steps of each of `count` motors: `merged` undone."""
     return tuple(MotorSteps(time[motor == i], forward[motor == i]) for i in range(count))
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of a stream: its steps, and the positions that they come from.
+
+    tick     : ndarray of int64, shape (n,)    when each position is [periods]; across a gap the motors stand
+    position : ndarray, shape (n, motors)      [mm]
+    """
+
+    steps: Steps
+    tick: np.ndarray
+    position: np.ndarray
