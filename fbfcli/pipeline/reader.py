@@ -40,7 +40,10 @@ class Portion:
 
 
 class Reader:
-    """One file, read and planned as a stream; `as_written`: no move is to be compensated."""
+    """One file, read and planned as a stream.
+
+    as_written : no move is to be compensated; --accel and --velocity hold for moves of X and Y all the same
+    """
 
     def __init__(self, printer: Printer, settings: Settings, as_written: bool = False):
         self._printer, self._settings, self._as_written = printer, settings, as_written
@@ -107,6 +110,8 @@ class Reader:
         )
         in_run = self._limits.index(tuple(raised(self._printer.firmware, one) for one in table))
         plain = self._limits.index(table)
+        if self._as_written and (self._settings.acceleration or self._settings.velocity):
+            inside = moves_xy(moves)
         state = np.where(inside, wanted[moves.state], np.where(raised_before, in_run[moves.state], plain[moves.state]))
         return replace(moves, state=state, limits=self._limits.limits)
 
