@@ -52,9 +52,7 @@ class Inputs:
         gap = np.diff(time, prepend=before.time)
         turned = np.flatnonzero(np.diff(forward, prepend=before.forward))
         if len(turned) and gap[turned].min() < self._turn:
-            time = time.copy()
-            soon = turned[gap[turned] < self._turn]
-            time[soon] += self._turn - gap[soon]
+            time = _waiting(time, turned, self._turn, before)
             gap = np.diff(time, prepend=before.time)
         gap[turned] = np.maximum(gap[turned], NS_PER_DAY)
         shortest = int(gap.min())
@@ -65,3 +63,11 @@ class Inputs:
             self.shortest = min(shortest, self.shortest or shortest)
         self._last = MotorSteps(time[-1:], forward[-1:])
         return MotorSteps(time, forward)
+
+
+def _waiting(time: np.ndarray, turned: np.ndarray, turn: int, before: MotorSteps) -> np.ndarray:
+    """Times with at least `turn` before every turned step: t'_i = max(t_i, t'_(i-1) + turn), a running maximum."""
+    least = np.zeros(len(time), dtype=np.int64)
+    least[turned] = turn
+    least = np.cumsum(least)
+    return np.maximum.accumulate(np.maximum(time - least, before.time)) + least
