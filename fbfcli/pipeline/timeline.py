@@ -138,6 +138,7 @@ class Timeline:
         passed = 0
         for grid in grids:
             start[grid.move] = grid.t0 - grid.begin[grid.stretch]
+            start[grid.move[grid.first[int(grid.continued) : -1]]] = 0.0  # of the rest that a stretch begins with
             of[grid.move] = place[passed + grid.stretch]
             passed += len(grid.begin)
             if grid.open_last:
