@@ -127,8 +127,8 @@ class Motor:
             y[i:] -= whole
             self.set += whole
         self._k, self._y = k[-3:], y[-3:]
-        if last and len(y):  # comes to rest on the nearest step, whatever the band left it at
-            k, y = np.append(k, k[-1] + [1, 2]), np.append(y, np.rint(y[[-1, -1]]))
+        if last and len(y):  # rests, and then comes to the nearest step, whatever the band left it at
+            k, y = np.append(k, k[-1] + [1, 2, 3]), np.append(y, [y[-1], np.rint(y[-1]), np.rint(y[-1])])
         if len(y) < 4:
             return no_steps()
         time, taken = crossings(halves(k[1:-1], y[1:-1], slopes(y), self._band))
