@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from itertools import chain
@@ -23,9 +22,11 @@ from fbfcli.errors import FbfError
 if TYPE_CHECKING:
     from fbfcli.pipeline import Settings
     from fbfcli.pipeline.steps import StepsSummary
+    from fbfcli.printer import Driver
     from fbfcli.steps.formats import Writer
+    from fbfcli.steps.stream import Motors
 
-ENDINGS = {  # of files, by format; the formats as steps.formats has them, without importing numpy
+ENDINGS = {  # of files, by format; as steps.formats has them, without importing numpy
     "csv": ".csv",
     "npz": ".npz",
     "compact": ".steps",
@@ -152,9 +153,9 @@ def _steps(
         first = next(texts, b"")
         settings = _settings(file, how, is_stamped(first[:HEAD_BYTES]), quiet)
         stream = StepStream(machine, settings)
-        with ExitStack() as open_files:
-            writer = _writer(name, machine.driver, stream.motors, settings.dt, rate, open_files)
-            write, write_event = (open_files.enter_context(_writing(target)) for target in targets)
+        with ExitStack() as files:
+            writer = _writer(name, machine.driver, stream.motors, settings.dt, rate, files)
+            write, write_event = (files.enter_context(_writing(target)) for target in targets)
             size = sum(map(write, writer.head()))
             for piece, happened in stream.pieces(chain([first] if first else [], texts), progress):
                 size += sum(map(write, writer.add(piece)))
@@ -176,16 +177,14 @@ def _settings(file: str, how: dict[str, Any], stamped: bool, quiet: bool) -> Set
     return settings_of(how, patch_times=False)
 
 
-def _writer(
-    name: str, driver: Any, motors: Any, dt: float, rate: float | None, open_files: ExitStack
-) -> Writer:
-    """The format's writer; its temporary files are closed with `open_files`."""
+def _writer(name: str, driver: Driver, motors: Motors, dt: float, rate: float | None, files: ExitStack) -> Writer:
+    """The format's writer; its temporary files are closed with `files`."""
+    from fbfcli.cli.npz_archive import NpzWriter
     from fbfcli.steps.formats import WRITERS, Wanted
 
-    def spool() -> Any:
-        return open_files.enter_context(tempfile.TemporaryFile())
-
-    return WRITERS[name](Wanted(motors, driver, dt, rate, spool))
+    if name == "npz":
+        return NpzWriter(motors, files)
+    return WRITERS[name](Wanted(motors, driver, dt, rate))
 
 
 @contextmanager

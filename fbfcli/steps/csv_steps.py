@@ -21,6 +21,7 @@ from fbfcli.units import NS_PER_S
 
 HEAD = b"time,motor,direction\n"
 DECIMALS = 9
+ROW = [("time", "f8"), ("motor", "U16"), ("way", "i1")]
 
 
 class CsvWriter:
@@ -55,9 +56,7 @@ def read_csv(data: bytes) -> dict[str, MotorSteps]:
     if data == HEAD:
         return {}
     try:
-        table = np.loadtxt(
-            io.BytesIO(data[len(HEAD) :]), delimiter=",", dtype=[("time", "f8"), ("motor", "U16"), ("way", "i1")], ndmin=1
-        )
+        table = np.loadtxt(io.BytesIO(data[len(HEAD) :]), delimiter=",", dtype=ROW, ndmin=1)
     except ValueError as why:
         raise FbfError(f"not a CSV of steps: {why}") from None
     names, motor = np.unique(table["motor"], return_inverse=True)

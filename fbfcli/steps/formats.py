@@ -1,15 +1,14 @@
-"""The formats of a step stream: their names, how files end, and who writes and reads them."""
+"""The formats of a step stream by name, and who writes them; a NumPy archive needs files (`cli.npz_archive`)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import BinaryIO, Protocol
+from typing import Protocol
 
 from fbfcli.printer import Driver
 from fbfcli.steps.compact import CompactWriter
 from fbfcli.steps.csv_steps import CsvWriter
-from fbfcli.steps.npz_steps import NpzWriter
 from fbfcli.steps.pages import PagesWriter
 from fbfcli.steps.positions import PositionsWriter
 from fbfcli.steps.stream import Motors, Piece
@@ -39,14 +38,12 @@ class Wanted:
     motors, driver : of the printer
     dt    : period of the trajectory [s]
     rate  : lines (positions) or ticks (marlin) per second; None: the format's own
-    spool : gives an empty temporary file
     """
 
     motors: Motors
     driver: Driver
     dt: float
     rate: float | None
-    spool: Callable[[], BinaryIO]
 
 
 PAGE_TICKS = 56_000  # per second: 8,000 segments and 16 kB, which a line of 250,000 baud carries
@@ -62,7 +59,6 @@ def _pages(wanted: Wanted) -> Writer:
 
 WRITERS: dict[str, Callable[[Wanted], Writer]] = {
     "csv": lambda wanted: CsvWriter(wanted.motors),
-    "npz": lambda wanted: NpzWriter(wanted.motors, wanted.spool),
     "compact": lambda wanted: CompactWriter(wanted.motors),
     "vcd": lambda wanted: VcdWriter(wanted.motors, wanted.driver),
     "positions": _positions,

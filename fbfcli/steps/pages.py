@@ -67,8 +67,9 @@ class PagesWriter:
 
     def _written(self, pages: int) -> Iterator[bytes]:
         moved, self._moved = self._moved[: pages * SEGMENTS], self._moved[pages * SEGMENTS :]
-        if (fast := np.abs(moved) > MOST).any():
-            segment, i = np.argwhere(fast)[0].tolist()
+        fast = np.argwhere(np.abs(moved) > MOST)
+        if len(fast):
+            segment, i = fast[0].tolist()
             time = (self._first + segment) * self._segment_ns / NS_PER_S
             raise LimitError(
                 f"at {time:.6f} s motor {self._names[i]} would make {abs(moved[segment, i])} steps in {MOST} ticks: "

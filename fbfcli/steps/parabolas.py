@@ -3,8 +3,8 @@
 t_j = begin + j interval + (j (j - 1) / 2) add, j = 0 ... count - 1, in whole ns: the interval from one step to the next
 grows by `add`. Klipper's step compression has the same law (klippy/chelper/stepcompress.c).
 
-A run of steps in one direction is cut into blocks of 64 and a rest in powers of two. A block is fitted by least squares;
-one that misses the tolerance is halved; two steps always fit.
+A run of steps in one direction is cut into blocks of 64 and a rest in powers of two. A block is fitted by least
+squares; one that misses the tolerance is halved; two steps always fit.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 
 from fbfcli.steps.stream import MotorSteps
 
+BLOCKS_AT_ONCE = 2048  # keeps their arrays in the cache
 LARGEST = 64  # a rounded `add` is off by up to 1/2 ns, and 64^2 / 16 of it remain in the middle
 
 
@@ -64,10 +65,8 @@ def fitted(steps: MotorSteps, tolerance: int) -> Parabolas:
             half = np.concatenate([half, missed, missed + count // 2])
     table = np.concatenate(found)
     table = table[np.argsort(table[:, 0])]
-    return Parabolas(*table[:, 1:].T.copy(), steps.forward[table[:, 0]])
-
-
-BLOCKS_AT_ONCE = 2048  # keeps a block's arrays in the cache
+    begin, interval, add, count = table[:, 1:].T.copy()
+    return Parabolas(begin, interval, add, count, steps.forward[table[:, 0]])
 
 
 def _blocks(forward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,6 @@
 """Positions at a fixed rate, one line per period: what LinuxCNC's halstreamer reads (man halstreamer, streamer_usr.c).
 
-A line holds a number for each pin, separated by blanks; here each motor's position [mm, six decimals]. For three motors:
+A line holds a number for each pin, separated by blanks; each motor's position [mm, six decimals]. Of three motors:
 
     loadrt streamer depth=4000 cfg=fff
     halstreamer < part.positions.txt

@@ -59,7 +59,8 @@ class VcdWriter:
     def __init__(self, motors: Motors, driver: Driver):
         self._names = motors.names
         self._tick = tick_of(driver)
-        self._pulse, self._setup = ticks(driver.step_pulse, self._tick), max(ticks(driver.direction_setup, self._tick), 1)
+        self._pulse = ticks(driver.step_pulse, self._tick)
+        self._setup = max(ticks(driver.direction_setup, self._tick), 1)
         self._texts = [b"%d%c\n" % (value, FIRST_CODE + i) for i in range(2 * len(self._names)) for value in (0, 1)]
         self._forward = [False] * len(self._names)  # what each dir wire says
         self._waiting = (np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))  # changes to come: ticks, texts
@@ -110,7 +111,8 @@ class VcdWriter:
 def read_vcd(data: bytes) -> dict[str, MotorSteps]:
     """The steps of each motor, times in whole ticks. Raises FbfError."""
     head, _, body = data.partition(b"$enddefinitions $end")
-    scale, wires = _TIMESCALE.search(head), {code: (name.decode(), kind) for code, name, kind in _VARIABLE.findall(head)}
+    scale = _TIMESCALE.search(head)
+    wires = {code: (name.decode(), kind) for code, name, kind in _VARIABLE.findall(head)}
     if not scale or not wires:
         raise FbfError("not a value change dump of steps: no $timescale, or no wires called <motor>_step")
     tick = int(scale[1]) * (1000 if scale[2] == b"us" else 1)

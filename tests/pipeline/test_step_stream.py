@@ -209,7 +209,7 @@ def test_events_come_at_their_time():
     assert [(event.line, event.text) for event in got.events] == [
         (1, "G28"), (4, "M106 S1"), (6, "M104 S200"), (7, "G4 P250"), (8, "M106 S2"), (10, "M84"),
     ]  # fmt: skip
-    time = dict((event.text, event.time) for event in got.events)
+    time = {event.text: event.time for event in got.events}
     turn = got.tick[np.flatnonzero(got.y[:, 0] > 7999.0)[0]] * DT
     rest = got.tick[np.flatnonzero(np.diff(got.tick) > 1)[0]] * DT
     assert time["G28"] == 0.0

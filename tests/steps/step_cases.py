@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from hypothesis import strategies as st
 
@@ -16,7 +18,7 @@ TRAVEL = 100.0  # mm
 
 @st.composite
 def motions(draw: st.DrawFn, top_speed: float = 300.0) -> np.ndarray:
-    """Positions of a motor at 1 ms: stretches of constant acceleration, rests, sudden turns, and a little noise [mm]."""
+    """Positions of a motor at 1 ms: constant accelerations, rests, sudden turns, a little noise [mm]."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     pieces = draw(st.integers(1, 12))
     speed = [np.linspace(*rng.uniform(-top_speed, top_speed, 2), rng.integers(2, 60)) for _ in range(pieces)]
@@ -48,7 +50,7 @@ def streams(draw: st.DrawFn) -> tuple[Piece, ...]:
     motors = [draw(motor_steps()) for _ in MOTORS.names]
     end = max([int(one.time[-1]) for one in motors if len(one)], default=0) + draw(st.integers(0, 10**10))
     cuts = [0, *sorted(draw(st.lists(st.integers(0, end), max_size=5))), end + 1]
-    return tuple(cut_out(motors, a, b) for a, b in zip(cuts[:-1], cuts[1:], strict=True))
+    return tuple(cut_out(motors, a, b) for a, b in pairwise(cuts))
 
 
 def cut_out(motors: list[MotorSteps], begin: int, end: int) -> Piece:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-import tempfile
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from step_cases import DT, MOTORS, cut_out, streams, whole, written
 
+from fbfcli.cli.npz_archive import NpzWriter, read_npz
 from fbfcli.cli.steps import ENDINGS
 from fbfcli.errors import FbfError
 from fbfcli.printer import Driver
 from fbfcli.steps.compact import CompactWriter, read_compact
 from fbfcli.steps.csv_steps import CsvWriter, read_csv
 from fbfcli.steps.formats import WRITERS, Wanted
-from fbfcli.steps.npz_steps import NpzWriter, read_npz
 from fbfcli.steps.pages import PagesWriter, read_pages
 from fbfcli.steps.positions import read_positions
 from fbfcli.steps.stream import MotorSteps
@@ -50,7 +50,8 @@ def test_csv_is_in_the_order_of_time(pieces):
 
 @given(streams())
 def test_npz_is_exact(pieces):
-    data = written(NpzWriter(MOTORS, tempfile.TemporaryFile), pieces)
+    with ExitStack() as files:
+        data = written(NpzWriter(MOTORS, files), pieces)
     same(read_npz(data), pieces, 0)
     arrays = np.load(io.BytesIO(data))
     assert tuple(arrays["motors"]) == MOTORS.names
@@ -145,7 +146,7 @@ def test_positions_that_halstreamer_would_skip_are_refused(text, told):
 
 
 def test_every_format_of_the_verb_has_a_writer():
-    assert set(WRITERS) == set(ENDINGS)
-    wanted = Wanted(MOTORS, Driver(), DT, None, tempfile.TemporaryFile)
+    assert {*WRITERS, "npz"} == set(ENDINGS)
+    wanted = Wanted(MOTORS, Driver(), DT, None)
     for make in WRITERS.values():
         assert isinstance(b"".join(make(wanted).head()), bytes)

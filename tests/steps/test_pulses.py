@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -23,7 +25,7 @@ def stepped(x: np.ndarray, band: float, cuts: tuple[int, ...] = ()) -> MotorStep
     edges = [0, *sorted(cuts), len(x)]
     parts = [
         motor.push(tick[a:b], x[a:b], NO_JUMP, b == len(x) and i == len(edges) - 2)
-        for i, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True))
+        for i, (a, b) in enumerate(pairwise(edges))
     ]
     return joined(parts)
 

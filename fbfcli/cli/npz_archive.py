@@ -3,15 +3,17 @@
     steps = np.load("part.npz")
     steps["motors"], steps["steps_per_mm"], steps["x_time"] * 1e-9, steps["x_forward"]
 
-An array's length stands in front of it and is known at the end only: arrays wait in spools that the caller provides.
+An array's length stands in front of it and is known at the end only: until then arrays wait in temporary files.
 """
 
 from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Callable, Iterator
-from typing import BinaryIO
+from collections.abc import Iterator
+from contextlib import ExitStack
+from tempfile import TemporaryFile
+from typing import IO
 
 import numpy as np
 
@@ -42,11 +44,11 @@ class _Sink:
 
 
 class NpzWriter:
-    """Writes a stream as a NumPy archive; `spool` gives an empty temporary file."""
+    """Writes a stream as a NumPy archive; its temporary files are closed with `files`."""
 
-    def __init__(self, motors: Motors, spool: Callable[[], BinaryIO]):
+    def __init__(self, motors: Motors, files: ExitStack):
         self._motors = motors
-        self._spools = [(spool(), spool()) for _ in motors.names]
+        self._spools = [(_spool(files), _spool(files)) for _ in motors.names]
         self._counts = [0] * len(motors.names)
 
     def head(self) -> Iterator[bytes]:
@@ -64,7 +66,7 @@ class NpzWriter:
     def end(self) -> Iterator[bytes]:
         """The archive."""
         sink = _Sink()
-        with zipfile.ZipFile(sink, "w") as archive:  # type: ignore[arg-type]
+        with zipfile.ZipFile(sink, "w") as archive:  # type: ignore[call-overload]
             about = {"motors": np.array(self._motors.names), "steps_per_mm": np.array(self._motors.steps_per_mm)}
             for name, array in about.items():
                 whole = io.BytesIO()
@@ -79,8 +81,11 @@ class NpzWriter:
                         while data := spool.read(CHUNK):
                             member.write(data)
                             yield sink.taken()
-                    spool.close()
         yield sink.taken()
+
+
+def _spool(files: ExitStack) -> IO[bytes]:
+    return files.enter_context(TemporaryFile())
 
 
 def read_npz(data: bytes) -> dict[str, MotorSteps]:
