@@ -85,8 +85,8 @@ class Drive:
             line = self._lines[min(sample, len(self._lines) - 1)]
             raise LimitError(
                 f"line {line + 1}: at {taken.time / NS_PER_S:.6f} s motor {self._names[i]} would make "
-                f"{taken.rate:,.0f} steps/s, more than max_step_rate = {self._most:,.0f} of its driver (print slower: --velocity, or "
-                "use fewer microsteps)"
+                f"{taken.rate:,.0f} steps/s, more than max_step_rate = {self._most:,.0f} of its driver "
+                "(print slower: --velocity, or use fewer microsteps)"
             )
         self._told[i] += len(taken)
         return taken

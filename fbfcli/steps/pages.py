@@ -77,7 +77,7 @@ class PagesWriter:
             )
         self._first += len(moved)
         moved = moved.reshape(pages, SEGMENTS, AXES)
-        stands = ~moved.any(axis=(1, 2))
+        stands: np.ndarray = (moved == 0).all(axis=(1, 2))
         half = (moved + MOST).astype(np.uint8)
         data = (half[:, :, 0::2] << 4 | half[:, :, 1::2]).reshape(pages, SIZE)
         check = np.bitwise_xor.reduce(data, axis=1)
