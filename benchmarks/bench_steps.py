@@ -46,7 +46,8 @@ class Measured:
     def row(self) -> str:
         """One line of the table."""
         cells = (self.file, self.method, self.format, f"{self.steps:,}", f"{self.print_s:.0f}", f"{self.cpu_s:.1f}",
-                 f"{self.steps / self.cpu_s / 1e6:.1f}", f"{self.size / self.steps:.2f}", f"{self.peak_mb:.0f}")  # fmt: skip
+                 f"{self.steps / self.cpu_s / 1e6:.1f}", f"{self.size / self.steps:.2f}",
+                 f"{self.peak_mb:.0f}")  # fmt: skip
         return f"| {' | '.join(cells)} |"
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from contextlib import ExitStack
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from fbfcli.steps.csv_steps import CsvWriter, read_csv
 from fbfcli.steps.formats import WRITERS, Wanted
 from fbfcli.steps.pages import PagesWriter, read_pages
 from fbfcli.steps.positions import read_positions
-from fbfcli.steps.stream import MotorSteps
+from fbfcli.steps.stream import Motors, MotorSteps
 from fbfcli.steps.vcd import VcdWriter, read_vcd
 
 TOLERANCE = 1000  # ns
@@ -89,6 +90,15 @@ def test_vcd_pulses_and_directions_last_as_long_as_the_driver_wants(pieces):
             else:
                 assert now - last[motor, "high"] == 2
                 last[motor, "low"] = now
+
+
+def test_the_example_in_the_documentation():
+    page = (Path(__file__).parents[2] / "docs" / "steps.md").read_text()
+    rows = page.partition('motor "x" with 80 steps/mm')[2].split("```")[1].strip().splitlines()
+    data = bytes.fromhex("".join(row.split("    ")[0] for row in rows))
+    assert read_compact(data)["x"].time.tolist() == [1_000_000, 1_001_000, 1_002_000]
+    steps = MotorSteps(np.array([1_000_000, 1_001_000, 1_002_000]), np.ones(3, dtype=bool))
+    assert written(CompactWriter(Motors(("x",), (80.0,))), (cut_out([steps], 0, 2_000_000),)) == data
 
 
 RATE = 1_750_000  # ticks per second: segments of 4 us, the closest steps there are
