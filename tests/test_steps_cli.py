@@ -158,6 +158,13 @@ def test_a_bad_file_is_refused_in_one_line(part, capsys, bad, told, name):
     assert names(part) == [part.name]
 
 
+@pytest.mark.parametrize("name", ["csv", "npz", "compact", "vcd", "positions", "marlin"])
+def test_a_file_that_does_not_move_is_an_empty_stream(part, name):
+    part.write_text("; nothing but a comment\nM104 S200\n")
+    assert run(part, "-q", "-t", name, "-o", part.with_name("out")) == 0
+    assert '"M104 S200"' in part.with_name("out.events.jsonl").read_text()
+
+
 def test_more_steps_than_a_page_takes(part, capsys):
     assert run(part, "-t", "marlin", "--rate", 3000) == 1
     assert "give a higher --rate than 3000" in one_line(capsys)

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from print_cases import LIMITS, START, compensated, print_time, printer, prints, random_print, read
 
+from fbfcli.cli.lookup import find_printer
 from fbfcli.errors import LimitError
 from fbfcli.gcode.scan import chunks
 from fbfcli.motion import planner
@@ -24,6 +25,7 @@ from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.steps import StepsSummary, StepStream
 from fbfcli.pipeline.timeline import Event
 from fbfcli.printer import Driver, Printer
+from fbfcli.steps.compact import CompactWriter, read_compact
 from fbfcli.steps.curve import position
 from fbfcli.steps.stream import MotorSteps, joined
 
@@ -93,6 +95,32 @@ def test_steps_are_within_half_a_step_of_the_trajectory_everywhere(kinematics, h
         at = at[at <= got.tick[-1]]
         error = got.standing(i, at * NS) - position(whole, at - got.tick[0])
         assert np.abs(error).max() <= HALF
+        turned = np.diff(got.steps[i].forward)
+        assert (np.diff(got.steps[i].time)[turned] >= (1.9e-6 + 0.65e-6) * 1e9).all()
+
+
+@every_kinematics
+def test_a_real_part_is_within_half_a_step_and_small(kinematics, root):
+    """Sliced by PrusaSlicer; the compact file of it holds every step within its tolerance."""
+    wanted = replace(
+        find_printer("synthetic_bed_slinger"), kinematics=kinematics, delta_radius=300.0, arm_length=620.0
+    )
+    stream = StepStream(wanted, NONE)
+    with (root / "sample_gcode" / "star.gcode").open("rb") as file:
+        pieces = [piece for piece, _ in stream.pieces(chunks(file))]
+    writer = CompactWriter(stream.motors)
+    data = b"".join([*writer.head(), *(part for piece in pieces for part in writer.add(piece)), *writer.end()])
+    assert len(data) <= 2 * sum(one.steps for one in stream.summary.motors)
+    tick = np.concatenate([piece.tick for piece in pieces])
+    q = np.concatenate([piece.position for piece in pieces])
+    for i, (name, rate) in enumerate(zip(stream.motors.names, stream.motors.steps_per_mm, strict=True)):
+        steps, kept = joined([piece.steps.motors[i] for piece in pieces]), read_compact(data)[name]
+        assert (kept.forward == steps.forward).all()
+        assert np.abs(kept.time - steps.time).max() <= 1000
+        standing = np.rint(q[0, i] * rate) + np.concatenate([[0], np.cumsum(np.where(steps.forward, 1, -1))])
+        error = standing[np.searchsorted(steps.time, tick * NS, side="right")] - q[:, i] * rate
+        assert np.abs(error).max() <= HALF
+        assert standing[-1] == np.rint(q[-1, i] * rate) == stream.summary.motors[i].end
 
 
 @every_kinematics
