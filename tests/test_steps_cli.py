@@ -122,6 +122,13 @@ def test_a_wrong_command_line(part, capsys, words, told):
     assert names(part) == [part.name]
 
 
+@pytest.mark.parametrize("method", ["none", "mzv"])
+def test_no_more_than_the_machine_stands(part, capsys, method):
+    assert run(part, "-m", method, "--accel", 1e6) == 1
+    assert "more than the machine stands" in one_line(capsys)
+    assert names(part) == [part.name]
+
+
 def test_the_stream_cannot_replace_its_file(part, capsys):
     assert run(part, "-o", part) == 2
     assert "FILE itself" in capsys.readouterr().err

@@ -160,11 +160,8 @@ def _summary(
 
 def _warnings(reader: Reader, tally: Tally, budget: Budget, remedies: Remedies) -> tuple[str, ...]:
     told = list(reader.warnings)
-    if remedies.stiffened or remedies.slowed:
-        told.append(
-            f"limits: {remedies.stiffened} of {remedies.stretches} stretches compensated more gently, "
-            f"{remedies.slowed} slowed (up to {remedies.slowest:.2f} times), the first at line {remedies.first_line}"
-        )
+    if remedies.told:
+        told.append(remedies.told)
     if tally.busiest > BUSY * budget.max_rate:
         told.append(f"{tally.busiest} segments in one second, more than the firmware takes: raise --tolerance")
     if not tally.segments:

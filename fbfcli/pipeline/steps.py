@@ -55,6 +55,7 @@ class StepStream:
     """One file as a stream of steps: iterate over `pieces`, then ask for the `summary`."""
 
     def __init__(self, printer: Printer, settings: Settings):
+        check_ceilings(printer, settings)
         self._printer, self._settings = printer, settings
         self.motors = motors_of(printer)
         self._timeline = Timeline(settings.dt)
@@ -66,7 +67,6 @@ class StepStream:
     def _command(self) -> Commander | None:
         if self._settings.method == AS_WRITTEN:
             return None
-        check_ceilings(self._printer, self._settings)
         compensator = compensator_of(plants_of(self._printer, self._settings.dt), self._settings)
         return Commander(compensator, box_of(self._printer), self._settings.dt)
 
@@ -97,7 +97,7 @@ class StepStream:
             printer=self._printer.name,
             kinematics=self._printer.kinematics,
             method=self._settings.method,
-            time=self._timeline.time,
+            time=round(self._timeline.time, 6),
             lines=self._reader.count,
             moves=self._reader.moves,
             motors=self._drive.told(),
@@ -107,6 +107,8 @@ class StepStream:
 
     def _warnings(self) -> tuple[str, ...]:
         told = list(self._reader.warnings)
+        if self._commander and (remedy := self._commander.remedies.told):
+            told.append(remedy)
         if self._printer.e_steps_per_mm is None:
             told.append(NO_E)
         if sets := self._timeline.sets:
