@@ -96,6 +96,22 @@ class Axis:
 
 
 @dataclass(frozen=True)
+class Driver:
+    """What a stepper driver wants of its inputs; the defaults suit the slowest of the usual ones.
+
+    step_pulse      : shortest pulse, and shortest pause between two [s]
+    direction_setup : the direction must stand this long before a step [s]
+    max_step_rate   : [steps/s]
+    hysteresis      : a position must come back this far before a step is taken back [steps]
+    """
+
+    step_pulse: float = 1.9e-6  # DRV8825, Table 7.6: 1.9 us high, 1.9 us low; A4988 1 us, TMC2209 0.1 us
+    direction_setup: float = 0.65e-6  # DRV8825: 650 ns; A4988 200 ns, TMC2209 20 ns
+    max_step_rate: float = 250e3  # DRV8825; A4988 500 kHz
+    hysteresis: float = 0.02
+
+
+@dataclass(frozen=True)
 class Printer:
     """Everything fbf knows of a machine. `axes` are X, Y, Z in this order."""
 
@@ -109,3 +125,7 @@ class Printer:
     nozzle_diameter: float = 0.4
     max_extrude_cross_section: float = inf  # Klipper refuses thicker lines [mm^2]
     filament_diameter: float = 1.75
+    e_steps_per_mm: float | None = None  # of filament; None: E makes no steps
+    delta_radius: float | None = None  # [mm]
+    arm_length: float | None = None  # of a delta [mm]
+    driver: Driver = Driver()

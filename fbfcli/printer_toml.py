@@ -11,6 +11,7 @@ from fbfcli.printer import (
     FIRMWARES,
     KINEMATICS,
     Axis,
+    Driver,
     FrequencyResponse,
     ImpulseResponse,
     Limits,
@@ -21,6 +22,7 @@ from fbfcli.printer import (
     TransferFunction,
 )
 from fbfcli.toml_table import Table, parse_toml
+from fbfcli.units import NS_PER_S
 
 SEGMENTS_PER_SECOND = {"klipper": 1000.0, "marlin": 300.0, "reprapfirmware": 200.0}  # Marlin: 32-bit board, from SD
 GAIN_TOLERANCE = 1e-3  # of the sum of a model's gains: half a unit of the last digit people write
@@ -43,10 +45,10 @@ def parse_printer(text: str, file: str, read: Read | None = None) -> Printer:
 
     Raises ProfileError: one line with file, key, value and remedy.
     """
-    whole = parse_toml(text, file).only("printer", "limits", "axis")
+    whole = parse_toml(text, file).only("printer", "limits", "axis", "driver")
     about = whole.table("printer").only(
         "name", "source", "firmware", "kinematics", "segments_per_second", "nozzle_diameter", "filament_diameter",
-        "max_extrude_cross_section")
+        "max_extrude_cross_section", "delta_radius", "arm_length")
     firmware = about.choice("firmware", FIRMWARES)
     nozzle = about.number("nozzle_diameter", 0.4, below=20.0)
     # Klipper's own default, klippy/kinematics/extruder.py; the others do not look at the cross-section
@@ -65,7 +67,36 @@ def parse_printer(text: str, file: str, read: Read | None = None) -> Printer:
         nozzle_diameter=nozzle,
         max_extrude_cross_section=about.number("max_extrude_cross_section", thickest),
         filament_diameter=about.number("filament_diameter", 1.75, below=20.0),
+        e_steps_per_mm=_optional(axes.table("e"), "steps_per_mm") if "e" in axes.values else None,
+        delta_radius=_optional(about, "delta_radius"),
+        arm_length=_arm_length(about),
+        driver=_driver(whole.table("driver")) if "driver" in whole.values else Driver(),
     )
+
+
+def _optional(table: Table, key: str) -> float | None:
+    return table.number(key) if key in table.values else None
+
+
+def _arm_length(about: Table) -> float | None:
+    arm, radius = _optional(about, "arm_length"), _optional(about, "delta_radius")
+    if arm is not None and radius is not None and arm <= radius:
+        about.refuse("arm_length", f"is not longer than delta_radius = {radius:g}", "the bed's centre must be in reach")
+    return arm
+
+
+def _driver(table: Table) -> Driver:
+    table.only("step_pulse_ns", "direction_setup_ns", "max_step_rate", "hysteresis")
+    usual = Driver()
+    pulse = table.number("step_pulse_ns", usual.step_pulse * NS_PER_S) / NS_PER_S
+    rate = table.number("max_step_rate", usual.max_step_rate)
+    if 2.0 * pulse * rate > 1.0:
+        table.refuse("max_step_rate" if "max_step_rate" in table.values else "step_pulse_ns",
+                     f"{rate:g} steps/s leave no room for a pulse and a pause of {pulse * NS_PER_S:g} ns each",
+                     f"at most {0.5 / pulse:.0f} steps/s")
+    setup = table.number("direction_setup_ns", usual.direction_setup * NS_PER_S, above=-inf, least=0.0)
+    hysteresis = table.number("hysteresis", usual.hysteresis, above=-inf, least=0.0, below=0.5)
+    return Driver(pulse, setup / NS_PER_S, rate, hysteresis)
 
 
 def _limits(table: Table, axes: Table, firmware: str) -> Limits:
@@ -74,7 +105,7 @@ def _limits(table: Table, axes: Table, firmware: str) -> Limits:
     velocity = table.number("velocity", None if firmware == "klipper" else inf)
     per_axis = [axes.table(name) for name in "xyz"] + ([axes.table("e")] if "e" in axes.values else [])
     if len(per_axis) == 4:
-        per_axis[3].only("max_velocity", "max_acceleration", "jerk")
+        per_axis[3].only("max_velocity", "max_acceleration", "jerk", "steps_per_mm")
 
     def four(key: str) -> tuple[float, float, float, float]:
         x, y, z, e = [t.number(key, inf) for t in per_axis] + [inf] * (4 - len(per_axis))

@@ -2,3 +2,4 @@
 
 S_PER_MIN = 60.0
 MM_PER_INCH = 25.4
+NS_PER_S = 1e9

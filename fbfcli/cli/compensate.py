@@ -131,7 +131,7 @@ def compensate(
     """
     with _logged(log_to):
         target = _target(file, output, in_place, dry_run, json_to)
-        settings = _settings(how, patch_times=target is not None and not is_stream(target))
+        settings = settings_of(how, patch_times=target is not None and not is_stream(target))
         done = _compensate(file, target, printer, settings, force, quiet)
         if not quiet:
             click.echo(done.summary.text(), err=True)
@@ -163,7 +163,7 @@ def _beside(file: str) -> str:
     return str(path.with_name(path.stem + SUFFIX + path.suffix))
 
 
-def _settings(how: dict[str, Any], patch_times: bool) -> Settings:
+def settings_of(how: dict[str, Any], patch_times: bool) -> Settings:
     from fbfcli.pipeline import Settings
 
     given = {name: value for name, value in how.items() if value is not None}
@@ -178,7 +178,7 @@ def _settings(how: dict[str, Any], patch_times: bool) -> Settings:
     options |= {name: samples[option] for option, name in OPTION_NAMES if option in samples}
     return Settings(
         method=given["method"],
-        tolerance=given["tolerance"] / UM_PER_MM,
+        tolerance=given.get("tolerance", UM_PER_MM * Settings.tolerance) / UM_PER_MM,
         acceleration=given.get("accel"),
         velocity=given.get("velocity"),
         segments_per_second=given.get("segments"),

@@ -103,6 +103,16 @@ class Remedies:
         if self.first_line is None and (attempt.level or attempt.slow > 1.0):
             self.first_line = line + 1
 
+    @property
+    def told(self) -> str:
+        """A warning, empty where no stretch needed a remedy."""
+        if not (self.stiffened or self.slowed):
+            return ""
+        return (
+            f"limits: {self.stiffened} of {self.stretches} stretches compensated more gently, "
+            f"{self.slowed} slowed (up to {self.slowest:.2f} times), the first at line {self.first_line}"
+        )
+
 
 class Commander:
     """Commands for the moves of one file, part by part."""

@@ -71,13 +71,13 @@ def compensate(
 
     Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
     """
-    _check_ceilings(printer, settings)
+    check_ceilings(printer, settings)
     plants = plants_of(printer, settings.dt)
     budget = _budget(printer, settings)
     b_a = [(plant.b, plant.a) for plant in plants]
     tally = Tally(b_a)
     told = stamp(__version__, f'printer="{printer.name}" {settings.told()}')
-    commander = Commander(compensator_of(plants, settings), _box(printer), settings.dt)
+    commander = Commander(compensator_of(plants, settings), box_of(printer), settings.dt)
     segmenter = Segmenter(printer, b_a, budget, settings.dt)
     scribe = Scribe(printer.firmware, printer.limits, segmenter, tally, write, told, settings.patch_times)
     reader = Reader(printer, settings)
@@ -89,7 +89,7 @@ def compensate(
     return Done(summary, tuple(scribe.patches), scribe.elapsed)
 
 
-def _check_ceilings(printer: Printer, settings: Settings) -> None:
+def check_ceilings(printer: Printer, settings: Settings) -> None:
     """Refuse to plan with more than the machine is said to stand."""
     for axis in printer.axes[:2]:
         for option, value, key, most in (
@@ -103,7 +103,7 @@ def _check_ceilings(printer: Printer, settings: Settings) -> None:
                 )
 
 
-def _box(printer: Printer) -> Box:
+def box_of(printer: Printer) -> Box:
     axes = printer.axes[:2]
     return Box(
         low=np.array([axis.travel[0] for axis in axes]),
@@ -161,11 +161,8 @@ def _summary(
 
 def _warnings(reader: Reader, tally: Tally, budget: Budget, remedies: Remedies) -> tuple[str, ...]:
     told = list(reader.warnings)
-    if remedies.stiffened or remedies.slowed:
-        told.append(
-            f"limits: {remedies.stiffened} of {remedies.stretches} stretches compensated more gently, "
-            f"{remedies.slowed} slowed (up to {remedies.slowest:.2f} times), the first at line {remedies.first_line}"
-        )
+    if remedies.told:
+        told.append(remedies.told)
     if tally.busiest > BUSY * budget.max_rate:
         told.append(f"{tally.busiest} segments in one second, more than the firmware takes: raise --tolerance")
     if not tally.segments:

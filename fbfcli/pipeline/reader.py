@@ -40,10 +40,13 @@ class Portion:
 
 
 class Reader:
-    """One file, read and planned as a stream."""
+    """One file, read and planned as a stream.
 
-    def __init__(self, printer: Printer, settings: Settings):
-        self._printer, self._settings = printer, settings
+    as_written : no move is to be compensated; --accel and --velocity hold for moves of X and Y all the same
+    """
+
+    def __init__(self, printer: Printer, settings: Settings, as_written: bool = False):
+        self._printer, self._settings, self._as_written = printer, settings, as_written
         self._planner, self._as_sliced = Planner(printer.firmware), Planner(printer.firmware)
         self._limits = LimitTable()
         self._known = self._inside = self._raised = False  # after the last line, move and line
@@ -82,6 +85,7 @@ class Reader:
         known = np.concatenate([[self._known], block.known])
         check_travel(moves, known[row + 1], tuple(axis.travel for axis in self._printer.axes))
         inside = compensable(moves, known[row], self._settings.acceleration)
+        inside &= not self._as_written
         self.left_alone += int(np.count_nonzero(~inside & moves_xy(moves)))
         self._known = bool(known[-1])
         self._tell_time(
@@ -106,6 +110,8 @@ class Reader:
         )
         in_run = self._limits.index(tuple(raised(self._printer.firmware, one) for one in table))
         plain = self._limits.index(table)
+        if self._as_written and (self._settings.acceleration or self._settings.velocity):
+            inside = moves_xy(moves)
         state = np.where(inside, wanted[moves.state], np.where(raised_before, in_run[moves.state], plain[moves.state]))
         return replace(moves, state=state, limits=self._limits.limits)
 

@@ -1,0 +1,202 @@
+"""`fbf steps`: G-code in, step pulses out."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from fbfcli.cli.compensate import compensate, settings_of
+from fbfcli.cli.files import DASH, is_stream, reading, replacing, streaming
+from fbfcli.cli.lookup import find_file, read_printer
+from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
+from fbfcli.cli.telling import named, progress_bar, tell_json
+from fbfcli.errors import FbfError
+
+if TYPE_CHECKING:
+    from fbfcli.pipeline import Settings
+    from fbfcli.pipeline.steps import StepsSummary
+    from fbfcli.printer import Driver
+    from fbfcli.steps.formats import Writer
+    from fbfcli.steps.stream import Motors
+
+ENDINGS = {  # of files, by format; as steps.formats has them, without importing numpy
+    "csv": ".csv",
+    "npz": ".npz",
+    "compact": ".steps",
+    "vcd": ".vcd",
+    "positions": ".txt",
+    "marlin": ".g6",
+}
+RATED = ("positions", "marlin")
+EVENTS = ".events.jsonl"
+AS_WRITTEN = "none"
+METHOD_OPTIONS = ("method", "accel", "velocity", "knots", "degree", "mu", "preview", "fir", "settle")
+
+
+@click.command(no_args_is_help=False)
+@click.argument("file", default=DASH, metavar="[FILE]")
+@printer_option
+@click.option("-o", "--output", metavar="FILE", help="Write here; - is standard output. [default: beside FILE]")
+@click.option(
+    "-t",
+    "--format",
+    "name",
+    type=click.Choice(tuple(ENDINGS)),
+    help="Of the stream. [default: by the ending of -o, else csv]",
+)
+@click.option(
+    "--rate",
+    type=Number(min=1, max=1e7),
+    metavar="HZ",
+    help="positions: lines per second [1000]; marlin: ticks per second [56000].",
+)
+@click.option(
+    "--events",
+    metavar="FILE",
+    help="Write the file's other lines with their times here, as JSON lines. [default: OUTPUT.events.jsonl]",
+)
+@json_option
+@click.option("-n", "--dry-run", is_flag=True, help="Compute and tell everything, write nothing.")
+@quiet_option
+def steps(
+    file: str,
+    printer: str | None,
+    output: str | None,
+    name: str | None,
+    rate: float | None,
+    events: str | None,
+    json_to: str | None,
+    dry_run: bool,
+    quiet: bool,
+    **how: Any,
+) -> None:
+    """Turn a print into the step pulses of its motors.
+
+    The motion is planned and compensated as in `fbf compensate`, and becomes a stream of steps instead of G-code, for
+    machines that take one, and for a look at what the motors will do. A file that is compensated already is taken as it
+    is written. Heaters, fans and other lines go to a file of events beside the stream.
+
+    \b
+    fbf steps part.gcode -p synthetic_corexy                        writes part.csv and part.csv.events.jsonl
+    fbf steps part.gcode -p taz6 --format vcd -o part.vcd           for GTKWave and PulseView
+    fbf steps part.gcode -p taz6 -m none -t positions -o - | halstreamer
+    zcat part.gcode.gz | fbf steps -p taz6 -t compact --events part.jsonl > part.steps
+    """
+    name = name or _by_ending(output)
+    if rate is not None and name not in RATED:
+        raise click.UsageError(f"--rate is for {' and '.join(RATED)}, not for {name}")
+    targets = _targets(file, output, ENDINGS[name], events, json_to, dry_run)
+    summary, size = _steps(file, printer, how, name, rate, targets, quiet)
+    if not quiet:
+        total = sum(motor.steps for motor in summary.motors)
+        click.echo(summary.text(), err=True)
+        click.echo(f"{'size:':15s}{size:,} bytes as {name}, {size / max(total, 1):.2f} per step", err=True)
+    if json_to:
+        tell_json(json_to, {"format": name, "bytes": size, **summary.as_dict()})
+
+
+steps.params += [option for option in compensate.params if option.name in METHOD_OPTIONS]
+
+
+def _by_ending(output: str | None) -> str:
+    """The format that a file's name asks for."""
+    ending = Path(output or "").suffix.lower()
+    return next((name for name, usual in ENDINGS.items() if usual == ending), "csv")
+
+
+def _targets(
+    file: str, output: str | None, ending: str, events: str | None, json_to: str | None, dry_run: bool
+) -> tuple[str | None, str | None]:
+    """Where the stream and its events go: a file, standard output, or (None) nowhere."""
+    if file == DASH and sys.stdin.isatty():
+        raise click.UsageError("no FILE, and standard input is a terminal")
+    target = output or (DASH if file == DASH else str(Path(file).with_suffix(ending)))
+    if target != DASH and Path(target).exists() and file != DASH and Path(target).samefile(file):
+        raise click.UsageError(f"{target} is FILE itself: give another name with -o")
+    if dry_run:
+        return None, None
+    if events is None and not is_stream(target):
+        events = target + EVENTS
+    if (target, events, json_to).count(DASH) > 1:
+        raise click.UsageError("only one of the stream, --events and --json can go to standard output")
+    for name in (target, events, json_to):
+        if name and not Path(name).absolute().parent.is_dir():
+            raise FbfError(f"{name}: there is no folder {Path(name).parent}")
+    return target, events
+
+
+def _steps(
+    file: str,
+    printer: str | None,
+    how: dict[str, Any],
+    name: str,
+    rate: float | None,
+    targets: tuple[str | None, str | None],
+    quiet: bool,
+) -> tuple[StepsSummary, int]:
+    """Read, plan, compensate, step and write; files appear when all of it is there. Also the stream's size."""
+    from fbfcli.gcode.scan import chunks
+    from fbfcli.gcode.stamp import HEAD_BYTES, is_stamped
+    from fbfcli.pipeline.steps import StepStream
+
+    profile = find_file(printer)
+    machine = read_printer(profile)
+    with reading(file) as source, progress_bar(file, quiet) as progress, named(file, str(profile)):
+        texts = chunks(source)
+        first = next(texts, b"")
+        settings = _settings(file, how, is_stamped(first[:HEAD_BYTES]), quiet)
+        stream = StepStream(machine, settings)
+        with ExitStack() as files:
+            writer = _writer(name, machine.driver, stream.motors, settings.dt, rate, files)
+            write, write_event = (files.enter_context(_writing(target)) for target in targets)
+            size = sum(map(write, writer.head()))
+            for piece, happened in stream.pieces(chain([first] if first else [], texts), progress):
+                size += sum(map(write, writer.add(piece)))
+                for event in happened:
+                    line = {"time": round(event.time, 6), "line": event.line, "text": event.text}
+                    write_event(json.dumps(line).encode() + b"\n")
+            size += sum(map(write, writer.end()))
+        return stream.summary, size
+
+
+def _settings(file: str, how: dict[str, Any], stamped: bool, quiet: bool) -> Settings:
+    """As asked for; a file that is compensated already is not compensated again."""
+    if stamped:
+        if given := next((option for option in ("accel", "velocity") if how[option] is not None), None):
+            raise click.UsageError(f"{file} is compensated already and taken as it is written: no --{given}")
+        if not quiet:
+            click.echo(f"{file}: is compensated already, taken as it is written", err=True)
+        how = {"method": AS_WRITTEN}
+    return settings_of(how, patch_times=False)
+
+
+def _writer(name: str, driver: Driver, motors: Motors, dt: float, rate: float | None, files: ExitStack) -> Writer:
+    """The format's writer; its temporary files are closed with `files`."""
+    from fbfcli.cli.npz_archive import NpzWriter
+    from fbfcli.steps.formats import WRITERS, Wanted
+
+    if name == "npz":
+        return NpzWriter(motors, files)
+    return WRITERS[name](Wanted(motors, driver, dt, rate))
+
+
+@contextmanager
+def _writing(target: str | None) -> Iterator[Callable[[bytes], int]]:
+    """Writes bytes to a file, to what `is_stream`, or nowhere, and says how many they were."""
+    if target is None:
+        yield len
+        return
+    with streaming(target) if is_stream(target) else replacing(target) as stream:
+
+        def write(data: bytes) -> int:
+            stream.write(data)
+            return len(data)
+
+        yield write

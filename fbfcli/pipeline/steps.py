@@ -1,0 +1,116 @@
+"""The order of the steps: text, moves, plan, trajectory, command, motor positions, pulses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+
+from fbfcli.pipeline.commander import Commander
+from fbfcli.pipeline.compensate import box_of, check_ceilings, compensator_of, plants_of
+from fbfcli.pipeline.drive import Drive, MotorTold, motors_of
+from fbfcli.pipeline.reader import Reader
+from fbfcli.pipeline.settings import Settings
+from fbfcli.pipeline.summary import clock
+from fbfcli.pipeline.timeline import Event, Timeline
+from fbfcli.printer import Printer
+from fbfcli.steps.stream import Piece
+
+AS_WRITTEN = "none"  # the method that changes nothing: the firmware's own plan
+ROWS = 4096  # samples turned into steps at a time: bounds the memory
+NO_E = "E makes no steps: the profile has no steps_per_mm under [axis.e]"
+
+
+@dataclass(frozen=True)
+class StepsSummary:
+    """Figures of one step stream; `time` [s]."""
+
+    printer: str
+    kinematics: str
+    method: str
+    time: float
+    lines: int
+    moves: int
+    motors: tuple[MotorTold, ...]
+    events: int
+    warnings: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, object]:
+        """For --json."""
+        return asdict(self)
+
+    def text(self) -> str:
+        """For people, on stderr."""
+        total = sum(one.steps for one in self.motors)
+        rows = [("print time", clock(self.time)), ("steps", f"{total:,} in all, {self.events:,} events beside them")]
+        rows += [
+            (f"motor {one.name}", f"{one.steps:,} steps, at most {one.peak_rate:,.0f}/s, ends at {one.end:,}")
+            for one in self.motors
+        ]
+        told = [f"{name + ':':15s}{value}" for name, value in rows]
+        return "\n".join([*told, *(f"warning: {warning}" for warning in self.warnings)])
+
+
+class StepStream:
+    """One file as a stream of steps: iterate over `pieces`, then ask for the `summary`."""
+
+    def __init__(self, printer: Printer, settings: Settings):
+        check_ceilings(printer, settings)
+        self._printer, self._settings = printer, settings
+        self.motors = motors_of(printer)
+        self._timeline = Timeline(settings.dt)
+        self._reader = Reader(printer, settings, as_written=settings.method == AS_WRITTEN)
+        self._commander = self._command()
+        self._drive = Drive(printer, self.motors, settings.dt)
+        self._events = 0
+
+    def _command(self) -> Commander | None:
+        if self._settings.method == AS_WRITTEN:
+            return None
+        compensator = compensator_of(plants_of(self._printer, self._settings.dt), self._settings)
+        return Commander(compensator, box_of(self._printer), self._settings.dt)
+
+    def pieces(
+        self, chunks: Iterable[bytes], progress: Callable[[int], None] = lambda done: None
+    ) -> Iterator[tuple[Piece, Sequence[Event]]]:
+        """The stream, and the events of about the same time. Raises GcodeError (without the file's name), LimitError.
+
+        chunks   : the file's text, whole lines
+        progress : told how many bytes of it have been read
+        """
+        for portion in self._reader.portions(chunks, progress):
+            batch = self._commander.batch(portion.part, portion.inside) if self._commander else None
+            track, events = self._timeline.part(portion.part, portion.inside, batch, portion.lines)
+            self._events += len(events)
+            cuts = [*range(0, len(track), ROWS), len(track)]
+            for a, b in pairwise(cuts):
+                yield self._drive.piece(track[a:b], last=False), events
+                events = []
+            if events:
+                yield self._drive.piece(track[:0], last=False), events
+        yield self._drive.rest(self._timeline.time), []
+
+    @property
+    def summary(self) -> StepsSummary:
+        """Of what has been streamed so far."""
+        return StepsSummary(
+            printer=self._printer.name,
+            kinematics=self._printer.kinematics,
+            method=self._settings.method,
+            time=round(self._timeline.time, 6),
+            lines=self._reader.count,
+            moves=self._reader.moves,
+            motors=self._drive.told(),
+            events=self._events,
+            warnings=self._warnings(),
+        )
+
+    def _warnings(self) -> tuple[str, ...]:
+        told = list(self._reader.warnings)
+        if self._commander and (remedy := self._commander.remedies.told):
+            told.append(remedy)
+        if self._printer.e_steps_per_mm is None:
+            told.append(NO_E)
+        if sets := self._timeline.sets:
+            told.append(f"the machine was set to another position {len(sets)} times, first before line {sets[0]}")
+        return tuple(told)

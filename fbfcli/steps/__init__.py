@@ -1,0 +1,1 @@
+"""Step pulses of motors: when each comes, and the files that hold them."""

@@ -1,0 +1,52 @@
+"""Kinematics undo themselves, and give what can be computed by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fbfcli.cli.lookup import find_printer
+from fbfcli.errors import ProfileError
+from fbfcli.motion.kinematics import Cartesian, CoreXY, Delta, kinematics_of
+
+DELTA = Delta(radius=140.0, arm=300.0)
+everyone = pytest.mark.parametrize("kinematics", [Cartesian(), CoreXY(), DELTA], ids=lambda k: type(k).__name__)
+within = st.floats(-90.0, 90.0)
+
+
+@everyone
+@given(points=st.lists(st.tuples(within, within, st.floats(0.0, 300.0)), min_size=1, max_size=20))
+def test_the_toolhead_is_where_its_motors_put_it(kinematics, points):
+    x = np.array(points)
+    assert np.allclose(kinematics.toolhead(kinematics.motors(x)), x, rtol=0, atol=1e-9)
+
+
+def test_corexy_moves_one_belt_on_a_diagonal():
+    assert CoreXY().motors(np.array([[3.0, 3.0, 1.0], [2.0, -2.0, 1.0]])).tolist() == [[6, 0, 1], [0, 4, 1]]
+
+
+def test_a_deltas_carriages_stand_level_over_the_centre():
+    height = np.sqrt(300.0**2 - 140.0**2)
+    assert np.allclose(DELTA.motors(np.array([[0.0, 0.0, 5.0]])), 5.0 + height)
+
+
+def test_under_a_tower_its_arm_hangs_straight():
+    c = DELTA.motors(np.array([[0.0, 140.0, 0.0]]))[0, 2]  # the third tower stands at +Y
+    assert c == pytest.approx(300.0)
+
+
+def test_what_the_arms_cannot_reach_is_nan():
+    q = DELTA.motors(np.array([[0.0, -170.0, 0.0], [0.0, 0.0, 0.0]]))
+    assert np.isnan(q[0]).any()
+    assert not np.isnan(q[1]).any()
+
+
+def test_a_delta_needs_its_size():
+    printer = replace(find_printer("synthetic_bed_slinger"), kinematics="delta")
+    with pytest.raises(ProfileError, match="delta_radius and arm_length"):
+        kinematics_of(printer)
+    assert kinematics_of(replace(printer, delta_radius=140.0, arm_length=300.0)) == DELTA
