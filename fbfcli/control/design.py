@@ -1,4 +1,4 @@
-"""Every method by its name: from impulse responses and modes to a compensator.
+"""Every method by its name: from what is known of each axis to a compensator.
 
 Defaults of the spline methods and their evidence. 16 stretches of 0.3 to 1.4 s planned at 5000 mm/s^2 and 200 mm/s,
 dt = 1 ms, lpfbs; each entry is the tracking error RMS [um] / the largest |u''| over 5000 mm/s^2.
@@ -21,6 +21,7 @@ from math import ceil, pi
 
 import numpy as np
 
+from fbfcli.control.axis_model import AxisModel
 from fbfcli.control.basis import Basis, uniform_basis
 from fbfcli.control.compensator import Compensator, Uncompensated
 from fbfcli.control.lpfbs import UNSTABLE, limited_preview
@@ -44,12 +45,11 @@ ASSUMED_HZ = 30.0  # of an axis whose model has no oscillating mode
 Modes = Sequence[tuple[float, float, float]]
 
 
-def design(name: str, h: Sequence[np.ndarray], modes: Sequence[Modes], dt: float,
+def design(name: str, axes: Sequence[AxisModel], dt: float,
            options: Mapping[str, float] | None = None) -> Compensator:  # fmt: skip
     """The compensator called `name`, one of METHODS.
 
-    h       : one impulse response per axis, sum 1, period dt [s]
-    modes   : per axis (frequency [Hz], damping, weight), strongest first
+    axes    : one AxisModel per axis, of period dt [s]
     options : degree, L (samples between knots), mu, preview [samples], n_C, n_up, lead, tail of lpfbs and fbf;
               frequency, damping of shapers
 
@@ -61,8 +61,8 @@ def design(name: str, h: Sequence[np.ndarray], modes: Sequence[Modes], dt: float
     if name == "none":
         return Uncompensated()
     if name in MAX_DAMPING:
-        return shaper(name, [_shaped(axis, given) for axis in modes], dt)
-    return _spline(name, tuple(h), tuple(tuple(axis) for axis in modes), dt, given, 0)
+        return shaper(name, [_shaped(axis.modes, given) for axis in axes], dt)
+    return _spline(name, tuple(axes), dt, given, 0)
 
 
 def knot_spacing(modes: Sequence[Modes], dt: float) -> int:
@@ -85,17 +85,18 @@ def _shaped(axis: Modes, given: Mapping[str, float]) -> tuple[float, float]:
     return given.get("frequency", f), given.get("damping", zeta)
 
 
-def _spline(name: str, h: tuple[np.ndarray, ...], modes: tuple[Modes, ...], dt: float, given: Mapping[str, float],
+def _spline(name: str, axes: tuple[AxisModel, ...], dt: float, given: Mapping[str, float],
             step: int) -> SplineCompensator:  # fmt: skip
     """lpfbs or fbf, its weight mu raised `step` times."""
-    m, L = int(given.get("degree", DEGREE)), int(given.get("L", knot_spacing(modes, dt)))
+    m, L = int(given.get("degree", DEGREE)), int(given.get("L", knot_spacing([axis.modes for axis in axes], dt)))
     if m < 1 or L < 1 or not 1 <= given.get("n_up", 1) <= given.get("n_C", np.inf):
         raise ModelError(f"degree {m} and L {L} must be at least 1, n_up from 1 to n_C")
     basis = uniform_basis(m, L)
-    mu = [10.0**step * given.get("mu", curvature_weight(axis, dt)) for axis in modes]
+    mu = [10.0**step * given.get("mu", curvature_weight(axis.modes, dt)) for axis in axes]
+    h = [axis.h for axis in axes]
     n_C, n_up, solvers = _limited(basis, h, mu, dt, given) if name == "lpfbs" else _full(basis, h, mu, given)
     hold = (basis.m + 1) * basis.L // 2
-    harder = (lambda: _spline(name, h, modes, dt, given, step + 1)) if step < STEPS and max(mu) > 0 else None
+    harder = (lambda: _spline(name, axes, dt, given, step + 1)) if step < STEPS and max(mu) > 0 else None
     return SplineCompensator(name, basis, n_C, n_up, solvers, harder,
                              int(given.get("lead", hold)), int(given.get("tail", hold)))  # fmt: skip
 

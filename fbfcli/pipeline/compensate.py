@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fbfcli import __version__
+from fbfcli.control.axis_model import exactly
 from fbfcli.control.compensator import Compensator
 from fbfcli.control.design import design
 from fbfcli.control.limits import Box
@@ -53,7 +54,8 @@ def compensator_of(plants: tuple[Plant, Plant], settings: Settings) -> Compensat
     h = [impulse_response(plant) for plant in plants]
     if settings.fir is not None:
         h = [cut(response, settings.fir) for response in h]
-    return design(settings.method, h, [modes(plant) for plant in plants], settings.dt, settings.options)
+    axes = [exactly(plant.b, plant.a, h_i, modes(plant)) for plant, h_i in zip(plants, h, strict=True)]
+    return design(settings.method, axes, settings.dt, settings.options)
 
 
 def compensate(
