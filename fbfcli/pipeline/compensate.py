@@ -23,7 +23,7 @@ from fbfcli.pipeline.settings import Settings
 from fbfcli.pipeline.summary import BUSY, Errors, Summary
 from fbfcli.plant.model import Plant, cut, impulse_response, modes, plant_of
 from fbfcli.printer import Printer
-from fbfcli.verify.tally import Tally
+from fbfcli.verify.tally import Stretches, Tally
 
 MARLIN_STEPS = 6  # MIN_STEPS_PER_SEGMENT: Marlin drops shorter moves
 FEW_MOVES, FEW = 10, 0.01  # moves left alone that are not worth a warning: the first ones of every print
@@ -64,12 +64,14 @@ def compensate(
     settings: Settings,
     write: Callable[[bytes], object],
     progress: Callable[[int], None] = lambda done: None,
+    watch: Callable[[Stretches], None] = lambda part: None,
 ) -> Done:
     """Compensate a file.
 
     chunks   : its text, whole lines
     write    : takes the new text
     progress : told how many bytes of the old text have been read
+    watch    : told what the firmware makes of the new text, stretches by stretches
 
     Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
     """
@@ -77,7 +79,7 @@ def compensate(
     plants = plants_of(printer, settings.dt)
     budget = _budget(printer, settings)
     b_a = [(plant.b, plant.a) for plant in plants]
-    tally = Tally(b_a)
+    tally = Tally(b_a, watch)
     told = stamp(__version__, f'printer="{printer.name}" {settings.told()}')
     commander = Commander(compensator_of(plants, settings), _box(printer), settings.dt)
     segmenter = Segmenter(printer, b_a, budget, settings.dt)

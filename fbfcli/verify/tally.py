@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,14 +51,14 @@ class Stretches:
     late: float
     dt: float
 
-    def positions(self) -> np.ndarray:
-        """X and Y that the planner model executes, on the samples, shape (n, 2)."""
+    def positions(self, columns: slice = slice(2)) -> np.ndarray:
+        """What the planner model executes, on the samples, shape (n, k): X and Y, or these of X Y Z E."""
         counts = np.diff(np.append(self.first, len(self.distance)))
         elapsed = np.cumsum(self.executed.duration) - self.executed.duration
         t0 = elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], counts)
         if self.begun:
             t0[: counts[0]] += self.late
-        start, delta = self.start[:, :2], self.delta[:, :2]
+        start, delta = self.start[:, columns], self.delta[:, columns]
         x, _ = sample(start, delta, self.distance, self.executed, t0, len(self.desired), self.dt)
         new = slice(1 if self.begun else 0, None)
         x[self.begin[new]] = start[self.first[new]]
@@ -90,10 +90,13 @@ class Tally:
     """What the written file does on the printer's own model, so far.
 
     plants : (b, a) of X and Y
+    watch  : told of everything that is added
     follow, before, after : errors of the executed command, of the nozzle uncompensated and compensated
     """
 
-    def __init__(self, plants: Sequence[tuple[np.ndarray, np.ndarray]]):
+    def __init__(self, plants: Sequence[tuple[np.ndarray, np.ndarray]],
+                 watch: Callable[[Stretches], None] = lambda part: None):
+        self._watch = watch
         self._uncompensated, self._compensated = Nozzle(plants), Nozzle(plants)
         self._open: _Paths | None = None  # the last samples of a stretch that goes on
         self._counted = 0  # those of them that are counted already
@@ -105,6 +108,7 @@ class Tally:
 
     def add(self, part: Stretches) -> None:
         """Execute the written segments, drive the plant, and count the errors."""
+        self._watch(part)
         self.segments += len(part.distance)
         self.wanted_s += float(part.wanted.sum())
         self.executed_s += float(part.executed.duration.sum())

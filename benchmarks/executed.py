@@ -1,0 +1,92 @@
+"""What a written file does: the desired motion, and what the planner model makes of the segments, on one time base."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+
+import numpy as np
+
+from fbfcli.gcode.scan import chunks
+from fbfcli.pipeline import Settings, Summary, compensate
+from fbfcli.plant.model import Plant
+from fbfcli.printer import Printer
+from fbfcli.verify.contour_error import contour_error
+from fbfcli.verify.simulate import Nozzle
+from fbfcli.verify.tally import Stretches
+
+STRIDE = 4  # samples between those whose error is measured
+SLOW = 1e-3  # mm a sample: slower, a direction and a bead's width mean nothing
+
+
+@dataclass(frozen=True)
+class Executed:
+    """Stretches of compensated motion one after the other; n samples, s stretches.
+
+    summary   : Summary
+    desired   : ndarray, shape (n, 2)          X Y [mm]
+    motion    : ndarray, shape (n, 4)          X Y Z E that the planner makes of the written file [mm]
+    extruding : ndarray of bool, shape (n,)
+    begin     : ndarray of int, shape (s,)     first sample of each stretch
+    rest      : ndarray of int, shape (s,)     samples of rest before each
+    """
+
+    summary: Summary
+    desired: np.ndarray
+    motion: np.ndarray
+    extruding: np.ndarray
+    begin: np.ndarray
+    rest: np.ndarray
+
+    def nozzle(self, plants: tuple[Plant, ...]) -> np.ndarray:
+        """Where these plants put the nozzle, shape (n, 2) [mm]."""
+        return Nozzle([(plant.b, plant.a) for plant in plants]).follow(self.motion[:, :2], self.begin, self.rest)
+
+    def contour(self, nozzle: np.ndarray) -> float:
+        """RMS distance of the nozzle from the path while extruding [mm]."""
+        at = np.flatnonzero(self.extruding)[::STRIDE]
+        stretch = np.searchsorted(self.begin, at, side="right") - 1
+        last = np.append(self.begin[1:], len(self.desired))[stretch] - 1
+        return rms(contour_error(nozzle, self.desired, at, self.begin[stretch], last))
+
+    def along(self, nozzle: np.ndarray) -> float:
+        """RMS of the error along the path while extruding [mm]."""
+        step, moving = self._steps()
+        tangent = step[moving] / np.hypot(step[moving, 0], step[moving, 1])[:, None]
+        return rms(np.einsum("ij,ij->i", nozzle[moving] - self.desired[moving], tangent))
+
+    def ripple(self, nozzle: np.ndarray, sliced: Executed) -> float:
+        """RMS deviation of a bead's width from the sliced one: E per mm that the nozzle goes, over E per mm of path.
+
+        sliced : the same print with E on the desired motion's time base
+        """
+        step, moving = self._steps()
+        went = np.hypot(*np.diff(nozzle, axis=0, prepend=nozzle[:1])[moving].T)
+        pushed, wanted = (np.diff(each.motion[:, 3], prepend=0.0)[moving] for each in (self, sliced))
+        width = pushed / np.maximum(went, SLOW)
+        return rms(width / (wanted / np.hypot(*step[moving].T)) - 1.0)
+
+    def _steps(self) -> tuple[np.ndarray, np.ndarray]:
+        """Desired displacement of each sample, (n, 2), and the samples that print at speed, bool, (n,)."""
+        step = np.diff(self.desired, axis=0, prepend=self.desired[:1])
+        return step, self.extruding & (np.hypot(*step.T) > SLOW)
+
+
+def executed(text: bytes, printer: Printer, settings: Settings) -> Executed:
+    """Compensate a text and execute what is written."""
+    parts: list[tuple[np.ndarray, ...]] = []
+    n = 0
+
+    def keep(part: Stretches) -> None:
+        nonlocal n
+        new = 1 if part.begun else 0
+        motion = part.positions(slice(4))
+        parts.append((part.desired[new:], motion[new:], part.extruding[new:], part.begin[new:] + n - new, part.rest[new:]))
+        n += len(part.desired) - new
+
+    done = compensate(chunks(io.BytesIO(text)), printer, settings, lambda written: None, watch=keep)
+    return Executed(done.summary, *(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def rms(error: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(error)))) if len(error) else 0.0
