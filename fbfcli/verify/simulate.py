@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.signal import lfilter, oaconvolve
 
+LONG = 64  # coefficients of a finite response from which transforms are faster
 REST_SAMPLES = 500  # a longer rest between stretches changes nothing: the vibration has gone
 
 
@@ -44,7 +45,17 @@ class Nozzle:
         out = np.empty(command.shape, order="F")
         for axis, (b, a) in enumerate(self._b_a):
             shift = np.repeat(moved[:, axis], length)
-            y, self._state[axis] = lfilter(b, a, np.repeat(command[:, axis] - shift, counts), zi=self._state[axis])
+            u = np.repeat(command[:, axis] - shift, counts)
+            y, self._state[axis] = _filtered(b, a, u, self._state[axis])
             np.add(y[where], shift, out=out[:, axis])
         self._last, self._moved = command[-1].copy(), moved[-1]
         return out
+
+
+def _filtered(b: np.ndarray, a: np.ndarray, u: np.ndarray, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`lfilter` with its state; long finite responses by overlapping transforms."""
+    if len(a) > 1 or len(b) < LONG:
+        return lfilter(b, a, u, zi=state)
+    y = oaconvolve(u, b / a[0])
+    y[: len(state)] += state
+    return y[: len(u)], y[len(u) :]

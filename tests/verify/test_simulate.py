@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from fbfcli.plant.model import plant_of
+from fbfcli.plant.model import impulse_response, plant_of
 from fbfcli.printer import ModalModel, Mode
 from fbfcli.verify.simulate import REST_SAMPLES, Nozzle
 
@@ -108,3 +108,16 @@ def test_long_rests_are_all_alike(longer):
     rests = [np.array([0, REST_SAMPLES + more]) for more in (0, longer)]
     a, b = (Nozzle(B_A).follow(u, begin, rest) for rest in rests)
     np.testing.assert_array_equal(a, b)
+
+
+@given(SEEDS, sizes, st.integers(0, 6))
+def test_a_long_finite_response_is_the_filter_it_stands_for(seed, sizes, cut):
+    """Transforms against the recursion they replace, in one piece and in two."""
+    u, begin, rest = stretches(seed, sizes)
+    h = [np.append(impulse_response(plant), np.zeros(3)) for plant in PLANTS]
+    expected = Nozzle([(h_i, np.array([1.0, 0.0])) for h_i in h]).follow(u, begin, rest)  # len(a) 2: lfilter
+    nozzle = Nozzle([(h_i, np.ones(1)) for h_i in h])
+    k = min(cut, len(begin) - 1)
+    pieces = [nozzle.follow(u[: begin[k]], begin[:k], rest[:k])] if k else []
+    pieces.append(nozzle.follow(u[begin[k] :], begin[k:] - begin[k], rest[k:]))
+    np.testing.assert_allclose(np.concatenate(pieces), expected, atol=1e-9)
