@@ -32,8 +32,8 @@ def following(e: np.ndarray, path: np.ndarray, nozzle: np.ndarray, begin: np.nda
     given = np.divide(push * went, way, out=np.zeros_like(push), where=printing)
     wanted = np.where(printing, push, 0.0)
     section = np.cumsum(np.isin(np.arange(len(e)), first)) - 1
-    totals = [np.add.reduceat(each, first) for each in (wanted, given)]
-    share = np.divide(*totals, out=np.zeros(len(first)), where=totals[1] > EPS_MM)
+    total, total_given = np.add.reduceat(wanted, first), np.add.reduceat(given, first)
+    share = np.divide(total, total_given, out=np.zeros(len(first)), where=total_given > EPS_MM)
     change = np.where(printing & (share[section] > 0.0), given * share[section] - push, 0.0)
     return e + _exact_ends(np.cumsum(change), printing)
 
