@@ -24,14 +24,16 @@ import numpy as np
 from fbfcli.control.axis_model import AxisModel
 from fbfcli.control.basis import Basis, uniform_basis
 from fbfcli.control.compensator import Compensator, Uncompensated
+from fbfcli.control.contour import contour
+from fbfcli.control.limits import Box
 from fbfcli.control.lpfbs import UNSTABLE, limited_preview
 from fbfcli.control.shapers import MAX_DAMPING, shaper
 from fbfcli.control.spline_fbf import FullPreview, filtered_basis, forgetting
-from fbfcli.control.windows import AxisSolver, SplineCompensator
+from fbfcli.control.windows import AxisByAxis, AxisSolver, SplineCompensator
 from fbfcli.errors import ModelError
 
-METHODS = ("none", *MAX_DAMPING, "lpfbs", "fbf")
-OPTIONS = ("degree", "L", "mu", "preview", "n_C", "n_up", "lead", "tail", "frequency", "damping")
+METHODS = ("none", *MAX_DAMPING, "lpfbs", "fbf", "contour")
+OPTIONS = ("degree", "L", "mu", "rho", "wt", "preview", "n_C", "n_up", "lead", "tail", "frequency", "damping")
 DEGREE = 5
 KNOT_S = 0.004  # between knots at most: wider ones need a longer hold
 RHO = 0.045  # curvature weight: u'' of (w_n)^2 times a displacement costs this part of it as error
@@ -46,12 +48,13 @@ Modes = Sequence[tuple[float, float, float]]
 
 
 def design(name: str, axes: Sequence[AxisModel], dt: float,
-           options: Mapping[str, float] | None = None) -> Compensator:  # fmt: skip
+           options: Mapping[str, float] | None = None, box: Box | None = None) -> Compensator:  # fmt: skip
     """The compensator called `name`, one of METHODS.
 
     axes    : one AxisModel per axis, of period dt [s]
-    options : degree, L (samples between knots), mu, preview [samples], n_C, n_up, lead, tail of lpfbs and fbf;
-              frequency, damping of shapers
+    options : degree, L (samples between knots), mu, preview [samples], n_C, n_up, lead, tail of the spline methods;
+              rho, wt of contour; frequency, damping of shapers
+    box     : limits that contour keeps; the other methods have none
 
     Raises ModelError where the method cannot work on the plant, ValueError for an unknown name or option.
     """
@@ -62,6 +65,8 @@ def design(name: str, axes: Sequence[AxisModel], dt: float,
         return Uncompensated()
     if name in MAX_DAMPING:
         return shaper(name, [_shaped(axis.modes, given) for axis in axes], dt)
+    if name == "contour":
+        return contour(axes, dt, given, box)
     return _spline(name, tuple(axes), dt, given, 0)
 
 
@@ -97,7 +102,7 @@ def _spline(name: str, axes: tuple[AxisModel, ...], dt: float, given: Mapping[st
     n_C, n_up, solvers = _limited(basis, h, mu, dt, given) if name == "lpfbs" else _full(basis, h, mu, given)
     hold = (basis.m + 1) * basis.L // 2
     harder = (lambda: _spline(name, axes, dt, given, step + 1)) if step < STEPS and max(mu) > 0 else None
-    return SplineCompensator(name, basis, n_C, n_up, solvers, harder,
+    return SplineCompensator(name, basis, n_C, n_up, AxisByAxis(solvers), harder,
                              int(given.get("lead", hold)), int(given.get("tail", hold)))  # fmt: skip
 
 

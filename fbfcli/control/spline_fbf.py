@@ -17,9 +17,9 @@ import numpy as np
 from scipy.linalg.lapack import dpbtrf, dpbtrs
 
 from fbfcli.control.basis import Basis
+from fbfcli.control.projection import projected
 from fbfcli.errors import ModelError
 
-BLOCK = 256  # coefficients whose right-hand side is summed at once: its products stay in the cache
 FELT = 1e-11  # of a step at a window's end: the path of the next few knots there is some 10 mm, so 1e-10 mm
 SINGULAR = 1e-12  # a pivot under this part of the diagonal: the plant hides that spline from its output
 
@@ -66,19 +66,10 @@ class FilteredBasis:
     def _projected(self, y: np.ndarray, n: int) -> np.ndarray:
         """r_i = sum_k psi[k - iL] y[k] for i < n; samples past the end count as zero."""
         S, L = self.psi.shape
-        r = np.empty(n)
-        for i in range(0, n, BLOCK):
-            count = min(BLOCK, n - i)
-            part = y[i * L : (i + count - 1 + S) * L]
-            s = min(S, -(-len(part) // L))
-            width = count - 1 + s
-            Y = np.zeros((width, L))
-            Y.reshape(-1)[: len(part)] = part[: width * L]
-            # C[q, j] = psi's piece q on interval j; r_i sums C[q, i + q]: rows one longer put that diagonal in columns
-            C = np.zeros(s * (width + 1))
-            np.matmul(self.psi[:s], Y.T, out=C[: s * width].reshape(s, width))
-            r[i : i + count] = C.reshape(s, width + 1)[:, :count].sum(axis=0)
-        return r
+        heard = y[: (n - 1 + S) * L]
+        Y = np.zeros((-(-len(heard) // L), L))
+        Y.reshape(-1)[: len(heard)] = heard
+        return projected(self.psi, Y, n)
 
 
 def filtered_basis(basis: Basis, h: np.ndarray, mu: float, n_max: int) -> FilteredBasis:
