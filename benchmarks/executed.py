@@ -80,8 +80,8 @@ def executed(text: bytes, printer: Printer, settings: Settings) -> Executed:
     def keep(part: Stretches) -> None:
         nonlocal n
         new = 1 if part.begun else 0
-        motion = part.positions(slice(4))
-        parts.append((part.desired[new:], motion[new:], part.extruding[new:], part.begin[new:] + n - new, part.rest[new:]))
+        rows = (part.desired, part.positions(slice(4)), part.extruding, part.begin + n - new, part.rest)
+        parts.append(tuple(each[new:] for each in rows))
         n += len(part.desired) - new
 
     done = compensate(chunks(io.BytesIO(text)), printer, settings, lambda written: None, watch=keep)

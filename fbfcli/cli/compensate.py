@@ -30,6 +30,8 @@ METHODS = (
     "3hump_ei",
     "lpfbs",
     "fbf",
+    "robust",
+    "contour",
 )  # as control.design, without importing numpy
 SPLINE_METHODS = ("lpfbs", "fbf")
 SPLINE_OPTIONS = {"knots", "degree", "mu", "preview", "fir", "settle"}

@@ -20,6 +20,7 @@ class Errors:
 class Summary:
     """Figures of one compensated file; times [s], errors [um].
 
+    method, why          : the method that was taken, and why where fbf chose or assumed something
     time_as_sliced       : as the firmware would print the input
     time                 : as it prints the output
     lines, moves         : of the input
@@ -36,6 +37,7 @@ class Summary:
 
     printer: str
     method: str
+    why: str
     settings: str
     time_as_sliced: float
     time: float
@@ -65,6 +67,7 @@ class Summary:
         before, after = self.contour_before, self.contour_after
         follow = self.follow_error
         rows = [
+            ("method", f"{self.method} ({self.why})" if self.why else self.method),
             ("print time", f"{clock(self.time_as_sliced)} -> {clock(self.time)}"),
             (
                 "segments",

@@ -10,7 +10,7 @@ import numpy as np
 from fbfcli.motion.profile import Profile
 from fbfcli.motion.sample import sample
 from fbfcli.verify.contour_error import REACH, ErrorTally, contour_error
-from fbfcli.verify.simulate import Nozzle
+from fbfcli.verify.simulate import BA, Nozzle
 
 STRIDE = 4  # samples between those whose contour error is measured
 
@@ -32,6 +32,7 @@ class Stretches:
     executed   : Profile                           what the planner model makes of them
     late       : float                             how late the first starts [s]
     dt         : float
+    place      : ndarray of int, shape (n,)        where the print is; None: the plants hold everywhere
     """
 
     begin: np.ndarray
@@ -50,6 +51,7 @@ class Stretches:
     executed: Profile
     late: float
     dt: float
+    place: np.ndarray | None = None
 
     def positions(self, columns: slice = slice(2)) -> np.ndarray:
         """What the planner model executes, on the samples, shape (n, k): X and Y, or these of X Y Z E."""
@@ -89,12 +91,12 @@ class _Paths:
 class Tally:
     """What the written file does on the printer's own model, so far.
 
-    plants : (b, a) of X and Y
+    plants : (b, a) of X and Y, or what gives them for a place
     watch  : told of everything that is added
     follow, before, after : errors of the executed command, of the nozzle uncompensated and compensated
     """
 
-    def __init__(self, plants: Sequence[tuple[np.ndarray, np.ndarray]],
+    def __init__(self, plants: Sequence[BA] | Callable[[int], Sequence[BA]],
                  watch: Callable[[Stretches], None] = lambda part: None):
         self._watch = watch
         self._uncompensated, self._compensated = Nozzle(plants), Nozzle(plants)
@@ -118,8 +120,9 @@ class Tally:
         ex, ey = x[new, 0] - part.command[new, 0], x[new, 1] - part.command[new, 1]
         self.follow.add(np.sqrt(ex * ex + ey * ey))
         begin, rest = (part.begin[1:] - 1, part.rest[1:]) if part.begun else (part.begin, part.rest)
-        before = self._uncompensated.follow(part.desired[new], begin, rest)
-        after = self._compensated.follow(x[new], begin, rest)
+        place = None if part.place is None else part.place[new]
+        before = self._uncompensated.follow(part.desired[new], begin, rest, place)
+        after = self._compensated.follow(x[new], begin, rest, place)
         self._contour(_Paths(part.desired[new], before, after, part.extruding[new]), begin, part.goes_on)
 
     def _count_seconds(self, wanted: np.ndarray) -> None:
