@@ -18,15 +18,14 @@ MOMENTS = 3
 def truncated(h: np.ndarray) -> np.ndarray:
     """The response h, shape (n,), until it stays below AUDIBLE; its first moments kept."""
     n = int(np.flatnonzero(np.abs(h) >= AUDIBLE * np.abs(h).max())[-1]) + 1
-    if n >= len(h):
-        return h
     fade = int(TAPER * n)
+    if n == len(h) or fade < MOMENTS:
+        return h
     window = np.ones(n)
     window[n - fade :] = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, fade + 1) / (fade + 1))
     g = h[:n] * window
-    k = np.arange(len(h)) / n
-    powers = np.vander(k, MOMENTS, increasing=True)
+    powers = np.vander(np.arange(len(h)) / n - 1.0, MOMENTS, increasing=True)
     missing = powers.T @ h - powers[:n].T @ g
-    # the smallest correction, weighed like the window: a parabola under it
-    shape = powers[:n] * window[:, None]
+    # put back where it was taken: under the taper. Spread over the response, it would cost a tenth of the accuracy
+    shape = powers[:n] * (1.0 - window)[:, None]
     return np.asarray(g + shape @ np.linalg.solve(powers[:n].T @ shape, missing))
