@@ -16,7 +16,8 @@ from fbfcli.verify.simulate import Nozzle
 from fbfcli.verify.tally import Stretches
 
 STRIDE = 4  # samples between those whose error is measured
-SLOW = 1e-3  # mm a sample: slower, a direction and a bead's width mean nothing
+SLOW = 1e-3  # mm a sample: slower, a direction means nothing
+BEAD = 0.4  # mm: no bead's width changes over less than a nozzle's
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Executed:
 
     summary   : Summary
     desired   : ndarray, shape (n, 2)          X Y [mm]
+    command   : ndarray, shape (n, 2)          X Y [mm]
     motion    : ndarray, shape (n, 4)          X Y Z E that the planner makes of the written file [mm]
     extruding : ndarray of bool, shape (n,)
     begin     : ndarray of int, shape (s,)     first sample of each stretch
@@ -33,14 +35,17 @@ class Executed:
 
     summary: Summary
     desired: np.ndarray
+    command: np.ndarray
     motion: np.ndarray
     extruding: np.ndarray
     begin: np.ndarray
     rest: np.ndarray
 
-    def nozzle(self, plants: tuple[Plant, ...]) -> np.ndarray:
-        """Where these plants put the nozzle, shape (n, 2) [mm]."""
-        return Nozzle([(plant.b, plant.a) for plant in plants]).follow(self.motion[:, :2], self.begin, self.rest)
+    def nozzle(self, plants: tuple[Plant, ...], ahead: tuple[float, ...] = (0.0, 0.0)) -> np.ndarray:
+        """Where these plants put the nozzle, shape (n, 2) [mm]; the command comes `ahead` [samples] of its time."""
+        y = Nozzle([(plant.b, plant.a) for plant in plants]).follow(self.motion[:, :2], self.begin, self.rest)
+        k = np.arange(len(y))
+        return np.column_stack([np.interp(k + lag, k, y[:, axis]) for axis, lag in enumerate(ahead)])
 
     def contour(self, nozzle: np.ndarray) -> float:
         """RMS distance of the nozzle from the path while extruding [mm]."""
@@ -56,15 +61,21 @@ class Executed:
         return rms(np.einsum("ij,ij->i", nozzle[moving] - self.desired[moving], tangent))
 
     def ripple(self, nozzle: np.ndarray, sliced: Executed) -> float:
-        """RMS deviation of a bead's width from the sliced one: E per mm that the nozzle goes, over E per mm of path.
+        """RMS deviation of a bead's width from the sliced one, mm by mm: E per mm of the nozzle's way over E per mm of
+        path, in pieces of BEAD.
 
         sliced : the same print with E on the desired motion's time base
         """
         step, moving = self._steps()
-        went = np.hypot(*np.diff(nozzle, axis=0, prepend=nozzle[:1])[moving].T)
-        pushed, wanted = (np.diff(each.motion[:, 3], prepend=0.0)[moving] for each in (self, sliced))
-        width = pushed / np.maximum(went, SLOW)
-        return rms(width / (wanted / np.hypot(*step[moving].T)) - 1.0)
+        way = np.where(moving, np.hypot(*step.T), 0.0)
+        piece = (np.cumsum(way) / BEAD).astype(np.int64)
+        first = np.flatnonzero(np.diff(piece, prepend=-1))
+        went = np.hypot(*np.diff(nozzle, axis=0, prepend=nozzle[:1]).T)
+        pushed, wanted = (np.diff(each.motion[:, 3], prepend=0.0) for each in (self, sliced))
+        way, went, pushed, wanted = (np.add.reduceat(each, first) for each in (way, went, pushed, wanted))
+        whole = np.logical_and.reduceat(moving, first) & (wanted > 0.0)
+        width = (pushed[whole] / went[whole]) / (wanted[whole] / way[whole])
+        return float(np.sqrt(np.average((width - 1.0) ** 2, weights=way[whole])))
 
     def _steps(self) -> tuple[np.ndarray, np.ndarray]:
         """Desired displacement of each sample, (n, 2), and the samples that print at speed, bool, (n,)."""
@@ -80,7 +91,8 @@ def executed(text: bytes, printer: Printer, settings: Settings) -> Executed:
     def keep(part: Stretches) -> None:
         nonlocal n
         new = 1 if part.begun else 0
-        rows = (part.desired, part.positions(slice(4)), part.extruding, part.begin + n - new, part.rest)
+        motion = part.positions(slice(4))
+        rows = (part.desired, part.command, motion, part.extruding, part.begin + n - new, part.rest)
         parts.append(tuple(each[new:] for each in rows))
         n += len(part.desired) - new
 
