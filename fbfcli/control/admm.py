@@ -3,7 +3,8 @@
 minimise 1/2 g'T g - r'g  subject to  |D g + e| <= bound       Boyd et al. 2011, Sec. 5.2, over-relaxed (3.4.3)
     g <- (T + D'K D)^-1 (r + D'K (z - w - e)),  d = D g + e
     v = a d + (1 - a) z,  z <- clip(v + w, bound),  w <- w + v - z
-K holds a penalty for each axis. T and D'K D are banded: one factorisation serves all steps.
+K holds a penalty for each axis. T and D'K D are banded: one factorisation serves all steps of a round. Where bounds are
+far below what the path asks for, the next round has larger penalties (w, which counts in their units, shrinks).
 """
 
 from __future__ import annotations
@@ -17,8 +18,9 @@ from scipy.linalg.lapack import dpbtrf, dpbtrs
 from fbfcli.control.differences import Differences, add_squares
 
 RELAXED = 1.6
-STEPS = 500  # back-substitutions at most
-EVERY = 10  # of them between looks at the bounds
+ROUNDS, STEPS = 12, 60  # factorisations, and back-substitutions of each, at most
+EVERY = 10  # of these between looks at the bounds
+HARDER = 3.0  # times the penalties of the round before
 CLOSE = 0.01  # of a bound: what a solution may leave it by, and change by between two looks
 
 
@@ -37,43 +39,70 @@ class Bounds(NamedTuple):
         return float((np.abs(self.differences.of(gamma)) / self.bound).max())
 
 
+class _Split:
+    """One set of bounds as the steps see it: z its differences within the bounds, w the price of their being there."""
+
+    def __init__(self, bounds: Bounds, n: int):
+        self.bounds, self.penalty = bounds, bounds.penalty
+        self.fixed = bounds.differences.of(np.zeros((n, 2)))
+        self.z, self.w = np.zeros_like(self.fixed), np.zeros_like(self.fixed)
+
+    def harden(self) -> None:
+        self.penalty = HARDER * self.penalty
+        self.w /= HARDER
+
+    def pull(self) -> np.ndarray:
+        """D'K (z - w - e)."""
+        return self.bounds.differences.back(self.penalty * (self.z - self.w - self.fixed))
+
+    def follow(self, gamma: np.ndarray) -> None:
+        """z and w after g."""
+        v = RELAXED * self.bounds.differences.of(gamma) + (1.0 - RELAXED) * self.z
+        self.z = np.clip(v + self.w, -self.bounds.bound, self.bounds.bound)
+        self.w += v - self.z
+
+
 def within(T: np.ndarray, r: np.ndarray, bounds: Sequence[Bounds]) -> np.ndarray:
-    """The coefficients, shape (n, 2), that keep the bounds to CLOSE of them, if STEPS are enough.
+    """The coefficients, shape (n, 2), that keep the bounds to CLOSE of them, if ROUNDS are enough.
 
     T : ndarray, shape (2 n, 2 S)   band of the problem, by columns
     r : ndarray, shape (n, 2)       right-hand side
     """
-    n = len(r)
-    stiff = T.copy()
-    for differences, penalty, _ in bounds:
-        c = np.tile(penalty, (n + differences.order, 1))
-        if not len(differences.after):
-            c[n:] = 0.0
-        add_squares(stiff, differences.order, c)
-    factor, _ = dpbtrf(stiff.T, lower=1, overwrite_ab=1)
-    still = np.zeros((n, 2))
-    e = [bound.differences.of(still) for bound in bounds]
-    z = [np.zeros_like(e_i) for e_i in e]
-    w = [np.zeros_like(e_i) for e_i in e]
-    before = still
-    gamma = still
-    for step in range(STEPS):
-        right = r.copy()
-        for i, (differences, penalty, _) in enumerate(bounds):
-            right += differences.back(penalty * (z[i] - w[i] - e[i]))
-        gamma = dpbtrs(factor, right.reshape(-1), lower=1, overwrite_b=1)[0].reshape(n, 2)
-        for i, (differences, _, bound) in enumerate(bounds):
-            v = RELAXED * differences.of(gamma) + (1.0 - RELAXED) * z[i]
-            z[i] = np.clip(v + w[i], -bound, bound)
-            w[i] += v - z[i]
-        if step % EVERY == EVERY - 1:
-            if max(bound.excess(gamma) for bound in bounds) < 1.0 + CLOSE and _settled(gamma - before, bounds):
-                break
-            before = gamma
+    splits = [_Split(bound, len(r)) for bound in bounds]
+    gamma = before = np.zeros_like(r)
+    for turn in range(ROUNDS):
+        if turn:
+            for split in splits:
+                split.harden()
+        factor = _factor(T, splits)
+        for step in range(STEPS):
+            right = r + sum(split.pull() for split in splits)
+            gamma = dpbtrs(factor, right.reshape(-1), lower=1, overwrite_b=1)[0].reshape(r.shape)
+            for split in splits:
+                split.follow(gamma)
+            if step % EVERY == EVERY - 1:
+                if _done(gamma, before, bounds):
+                    return gamma
+                before = gamma
     return gamma
 
 
-def _settled(change: np.ndarray, bounds: Sequence[Bounds]) -> bool:
-    """Differences change by less than CLOSE of their bounds."""
-    return all((np.abs(np.diff(change, differences.order, axis=0)) < CLOSE * bound).all()
-               for differences, _, bound in bounds)  # fmt: skip
+def _factor(T: np.ndarray, splits: Sequence[_Split]) -> np.ndarray:
+    """Cholesky factor of T + D'K D."""
+    stiff = T.copy()
+    for split in splits:
+        order, n = split.bounds.differences.order, len(T) // 2
+        c = np.tile(split.penalty, (n + order, 1))
+        if not len(split.bounds.differences.after):
+            c[n:] = 0.0
+        add_squares(stiff, order, c)
+    return np.asarray(dpbtrf(stiff.T, lower=1, overwrite_ab=1)[0])
+
+
+def _done(gamma: np.ndarray, before: np.ndarray, bounds: Sequence[Bounds]) -> bool:
+    """Bounds are kept, and differences change by less than CLOSE of them."""
+    return all(
+        bound.excess(gamma) < 1.0 + CLOSE
+        and (np.abs(np.diff(gamma - before, bound.differences.order, axis=0)) < CLOSE * bound.bound).all()
+        for bound in bounds
+    )

@@ -22,8 +22,8 @@ from fbfcli.errors import ModelError
 
 RHO = 0.1  # curvature weight: u'' of (w_n)^2 times a displacement costs this part of it as error
 ALONG = 0.05  # weight of an error along the path, against 1 across it
-PREVIEW = 6  # periods of the slowest mode
-KEPT = 4  # times the preview and the memory of a spline: so much of a window is kept
+PREVIEW = 24  # periods of the slowest mode: the command is within 0.01 um of one window's; with 6, within 1 um
+KEPT = 2  # times the preview and the memory of a spline: so much of a window is kept
 KNOTS = 0.3  # of the fastest mode's period, from knot to knot
 ASSUMED_HZ = 30.0  # of an axis whose model has no oscillating mode
 INSIDE = 0.98  # of the limits: what the windows are held to, since they stop iterating within 1 %

@@ -29,6 +29,14 @@ def described(*names: str) -> tuple[list[AxisModel], float]:
     return [exactly(plant.b, plant.a, impulse_response(plant), modes(plant)) for plant in plants], DT
 
 
+def family(f: float, zeta: float, spread: float, members: int) -> AxisModel:
+    """An axis of one mode [Hz] that is known to +-spread: so many plants, equally probable."""
+    plants = [plant_of(ModalModel((Mode(f * (1 + q), zeta),)), DT, "x") for q in np.linspace(-spread, spread, members)]
+    nominal = plant_of(ModalModel((Mode(f, zeta),)), DT, "x")
+    return AxisModel(nominal.b, nominal.a, impulse_response(nominal), modes(nominal),
+                     tuple(impulse_response(plant) for plant in plants), np.full(members, 1 / members))  # fmt: skip
+
+
 def answering(h: np.ndarray) -> AxisModel:
     """An axis of this impulse response, without a mode."""
     return exactly(h, np.ones(1), h, ())
