@@ -13,8 +13,9 @@ import numpy as np
 
 from fbfcli.control.axis_model import AxisModel, exactly
 from fbfcli.control.compensator import Compensator
-from fbfcli.control.design import design, knot_spacing
+from fbfcli.control.design import design
 from fbfcli.control.limits import Box
+from fbfcli.control.windows import SplineCompensator
 from fbfcli.errors import ProfileError
 from fbfcli.motion.moves import E
 from fbfcli.pipeline.choice import FAMILY_METHODS, uncertainty_of
@@ -39,12 +40,12 @@ class Designs:
         self.box = box_of(printer)
         self._varies = any(axis.at for axis in self._axes)
         self._options = dict(settings.options)
-        if self._varies and "L" not in self._options:  # all designs of a print share one basis
-            self._options["L"] = knot_spacing([modes(p) for p in self._everywhere()], settings.dt)
         self._numbers: dict[Shares, int] = {((), ()): 0}  # place 0 has the nominal models
         self._levels: list[list[Compensator]] = []
         self._plants: list[tuple[Plant, Plant]] = []
         self._means: dict[int, tuple[BA, BA]] = {}
+        if self._varies:
+            self._options |= self._shared()
         self._kg_per_mm = printer.filament_density * pi * (printer.filament_diameter / 2) ** 2
 
     def places(self, x: np.ndarray) -> np.ndarray:
@@ -61,7 +62,7 @@ class Designs:
     def compensator(self, place: int, level: int = 0) -> Compensator:
         """The method designed for a place, made `level` times stiffer, or as stiff as it gets."""
         while len(self._levels) <= place:
-            self._levels.append([self._designed(len(self._levels))])
+            self._levels.append([self._designed(self._shares(len(self._levels)))])
         levels = self._levels[place]
         while len(levels) <= level and (stiffer := levels[-1].stiffer()) is not None:
             levels.append(stiffer)
@@ -94,8 +95,8 @@ class Designs:
         """What part each of an axis' models has in a place; nothing where the nominal one holds."""
         return list(self._numbers)[place]
 
-    def _designed(self, place: int) -> Compensator:
-        axes = [self._known(axis, share) for axis, share in zip(self._axes, self._shares(place), strict=True)]
+    def _designed(self, shares: Shares) -> Compensator:
+        axes = [self._known(axis, share) for axis, share in zip(self._axes, shares, strict=True)]
         return design(self.method, axes, self._settings.dt, self._options, self.box)
 
     def _known(self, axis: Axis, share: tuple[float, ...]) -> AxisModel:
@@ -131,11 +132,13 @@ class Designs:
             return axis.model
         return between([place.model for place in axis.at], share, self._settings.dt, axis.name)
 
-    def _everywhere(self) -> list[Plant]:
-        """Plants of every model that an axis has."""
-        models = [(axis, m) for axis in self._axes for m in (self._model(axis, ()), *(each.model for each in axis.at))]
-        return [plant_of(model, self._settings.dt, axis.name) for axis, model in models]
-
+    def _shared(self) -> dict[str, float]:
+        """Options that let all designs of a print go on with each other's stretches: one basis, the finest."""
+        x, y = (np.eye(max(1, len(axis.at))).tolist() if axis.at else [()] for axis in self._axes)
+        ends = [(tuple(x[min(i, len(x) - 1)]), tuple(y[min(i, len(y) - 1)])) for i in range(max(len(x), len(y)))]
+        designs = [self._designed(shares) for shares in ends]
+        bases = [each.basis for each in designs if isinstance(each, SplineCompensator)]
+        return {"L": min(basis.L for basis in bases)} if bases else {}
 
 def _steps(share: np.ndarray) -> np.ndarray:
     """Shares in steps, rows sum to 1."""

@@ -27,7 +27,7 @@ class Settings:
     patch_times : time comments and M73 are written padded, to be filled in at the end
     """
 
-    method: str = "lpfbs"
+    method: str = AUTO
     tolerance: float = TOLERANCE_MM
     dt: float = DT_S
     acceleration: float | None = None

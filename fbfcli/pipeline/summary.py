@@ -67,7 +67,6 @@ class Summary:
         before, after = self.contour_before, self.contour_after
         follow = self.follow_error
         rows = [
-            ("method", f"{self.method} ({self.why})" if self.why else self.method),
             ("print time", f"{clock(self.time_as_sliced)} -> {clock(self.time)}"),
             (
                 "segments",
@@ -83,6 +82,7 @@ class Summary:
                 f"{before.rms:.1f} -> {after.rms:.1f} um rms, {before.p99:.0f} -> {after.p99:.0f} um 99 %, "
                 f"{before.max:.0f} -> {after.max:.0f} um max (extruding, predicted)",
             ),
+            ("method", f"{self.method} ({self.why})" if self.why else self.method),
         ]
         lines = [f"{name + ':':15s}{value}" for name, value in rows]
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
