@@ -17,6 +17,7 @@ from fbfcli.control.basis import uniform_basis
 from fbfcli.control.contour_gram import contour_gram
 from fbfcli.control.contour_window import ContourSolver
 from fbfcli.control.limits import Box
+from fbfcli.control.spline_design import ASSUMED_HZ, DEGREE, STEPS
 from fbfcli.control.windows import SplineCompensator
 from fbfcli.errors import ModelError
 
@@ -25,9 +26,7 @@ ALONG = 0.05  # weight of an error along the path, against 1 across it
 PREVIEW = 24  # periods of the slowest mode: the command is within 0.01 um of one window's; with 6, within 1 um
 KEPT = 2  # times the preview and the memory of a spline: so much of a window is kept
 KNOTS = 0.3  # of the fastest mode's period, from knot to knot
-ASSUMED_HZ = 30.0  # of an axis whose model has no oscillating mode
 INSIDE = 0.98  # of the limits: what the windows are held to, since they stop iterating within 1 %
-STEPS = 4  # times a compensator can be made ten times stiffer
 
 
 def contour(axes: Sequence[AxisModel], dt: float, given: Mapping[str, float], box: Box | None,
@@ -43,7 +42,7 @@ def contour(axes: Sequence[AxisModel], dt: float, given: Mapping[str, float], bo
     if len(axes) != 2:
         raise ModelError("contour compensates X and Y together: it needs the models of both")
     f = [mode[0] for axis in axes for mode in axis.modes] or [ASSUMED_HZ]
-    m, L = int(given.get("degree", 5)), int(given.get("L", max(2, round(KNOTS / (max(f) * dt)))))
+    m, L = int(given.get("degree", DEGREE)), int(given.get("L", max(2, round(KNOTS / (max(f) * dt)))))
     basis = uniform_basis(m, L)
     gram = contour_gram(basis, *axes)
     w_n = 2 * pi * np.array([axis.modes[0][0] if axis.modes else ASSUMED_HZ for axis in axes])

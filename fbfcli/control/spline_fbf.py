@@ -11,6 +11,7 @@ Positions are relative to the stretch's start, where everything rests at 0; the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,17 +73,22 @@ class FilteredBasis:
         return projected(self.psi, Y, n)
 
 
-def filtered_basis(basis: Basis, h: np.ndarray, mu: float, n_max: int) -> FilteredBasis:
-    """For an impulse response h of sum 1 and stretches of at most n_max coefficients.
+def filtered_basis(basis: Basis, family: Sequence[np.ndarray], weights: np.ndarray, mu: float,
+                   n_max: int) -> FilteredBasis:  # fmt: skip
+    """For impulse responses of sum 1 and stretches of at most n_max coefficients.
+
+    Of several plants, the expected squared error is made least: r takes their mean psi, R their mean R.
 
     Raises ModelError where the plant answers some combination of splines with nothing.
     """
     L = basis.L
-    filtered = np.convolve(h, basis.beta)
-    S = -(-len(filtered) // L)
-    psi = np.zeros(S * L)
-    psi[: len(filtered)] = filtered
-    R = _autocorrelation(psi, L)
+    filtered = [np.convolve(h, basis.beta) for h in family]
+    S = max(-(-len(f) // L) for f in filtered)
+    psi, R = np.zeros(S * L), np.zeros(S)
+    for f, weight in zip(filtered, weights.tolist(), strict=True):
+        psi[: len(f)] += weight * f
+        each = _autocorrelation(f, L)
+        R[: len(each)] += weight * each
     v = np.convolve(basis.beta, [1.0, -2.0, 1.0])
     bent = mu * _autocorrelation(v, L)
     R[: len(bent)] += bent[: len(R)]
