@@ -12,7 +12,7 @@ from fbfcli.control.axis_model import AxisModel
 from fbfcli.control.robust import robust_filter
 from fbfcli.errors import ModelError
 
-FADED = 1e-4  # of the largest sample: what is left out at both ends
+FADED = 1e-5  # of the largest sample: what is left out at both ends; 1e-4 would lead slow motion by a part of its delay
 PADDED = 4  # times the family's longest response: what G_r's answer needs on the circle of the transform
 LONGEST = 1 << 17  # samples of that circle at most
 
