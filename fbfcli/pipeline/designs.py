@@ -26,6 +26,7 @@ from fbfcli.plant.uncertainty import Members, members
 from fbfcli.printer import Axis, Model, Printer
 
 SHARES = 32  # steps of a model's share
+WINDOWED = ("lpfbs", "robust", "contour")  # keep little of each window where X and Y change the model within a second
 EVERY = 100  # samples: a tenth of a second at 1 ms, 30 mm at 300 mm/s
 
 Shares = tuple[tuple[float, ...], ...]
@@ -138,7 +139,12 @@ class Designs:
         ends = [(tuple(x[min(i, len(x) - 1)]), tuple(y[min(i, len(y) - 1)])) for i in range(max(len(x), len(y)))]
         designs = [self._designed(shares) for shares in ends]
         bases = [each.basis for each in designs if isinstance(each, SplineCompensator)]
-        return {"L": min(basis.L for basis in bases)} if bases else {}
+        if not bases:
+            return {}
+        L = min(basis.L for basis in bases)
+        crosses = any(place.x is not None or place.y is not None for axis in self._axes for place in axis.at)
+        kept = {"n_up": max(1, round(EVERY / L))} if crosses and self.method in WINDOWED else {}
+        return {"L": L, **kept}
 
 def _steps(share: np.ndarray) -> np.ndarray:
     """Shares in steps, rows sum to 1."""

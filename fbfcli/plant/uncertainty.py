@@ -24,6 +24,7 @@ from fbfcli.printer import (
 )
 
 ASSUMED = Spread(frequency=(0.85, 1.15))  # of a profile that does not say: temperature, belts, position and the part
+ASSUMED_AT = Spread(frequency=(0.9, 1.1))  # where the profile has models at several places: position and part are known
 WIDE, FEW, MANY = 0.11, 5, 7  # members of a family of frequencies, by half its width: their errors must overlap
 DAMPINGS = 3  # and of dampings, where those are uncertain too: they matter little
 MOST_DAMPING = 0.95
