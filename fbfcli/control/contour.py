@@ -56,8 +56,8 @@ def contour(axes: Sequence[AxisModel], dt: float, given: Mapping[str, float], bo
                            INSIDE * h * limits[0], INSIDE * h**2 * limits[1], (w_n * h) ** 2)  # fmt: skip
     hold = (m + 1) * L // 2
     harder = (lambda: contour(axes, dt, given, box, step + 1)) if step < STEPS else None
-    return SplineCompensator("contour", basis, n_c, n_up, solver, harder,
-                             int(given.get("lead", hold)), int(given.get("tail", hold)))  # fmt: skip
+    return SplineCompensator("contour", basis, n_c, n_up, solver, harder, int(given.get("lead", hold)),
+                             int(given.get("tail", hold)), within_windows=True)  # fmt: skip
 
 
 def _curvature_weight(w_n: np.ndarray, dt: float, given: Mapping[str, float]) -> np.ndarray:

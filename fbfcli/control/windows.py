@@ -80,6 +80,7 @@ class SplineCompensator:
     n_c, n_up : coefficients of a window, and of those that are kept
     harder    : makes the same with ten times the weight mu, None after the last step
     ahead     : samples that a filtered spline begins before the spline itself, whole knots: it has heard them too
+    within_windows : the solver knows under which design each sample came
     """
 
     name: str
@@ -91,11 +92,17 @@ class SplineCompensator:
     lead: int = 0
     tail: int = 0
     ahead: int = 0
+    within_windows: bool = False
 
     @property
     def settle(self) -> int:
         """m L + 1 samples: a step from rest to rest takes m intervals of a spline of degree m."""
         return self.basis.m * self.basis.L + 1
+
+    @property
+    def notice(self) -> int:
+        """Of another design: none where windows take each sample's own plants, else what a window looks ahead."""
+        return 0 if self.within_windows else self.preview
 
     @property
     def preview(self) -> int:
@@ -122,7 +129,7 @@ class SplineStream:
 
     def __init__(self, design: SplineCompensator, y_0: np.ndarray):
         self._design, self._y_0 = design, y_0
-        self._path = resting(len(y_0), design.ahead)
+        self._path = resting(len(y_0), design.ahead, design.solver)
         self._past = np.zeros((len(y_0), MEMORY * max(design.solver.reach, design.basis.m)))
         self._end = self._y_0  # the last desired position so far
 
@@ -137,7 +144,7 @@ class SplineStream:
     def push(self, y_d: np.ndarray, weight: np.ndarray, last: bool) -> np.ndarray:
         """Commands final now, shape (m, axes) [mm]; see Stream.push."""
         design, solver, L = self._design, self._design.solver, self._design.basis.L
-        path = self._path.then(Path((y_d - self._y_0).T, weight))
+        path = self._path.then((y_d - self._y_0).T, weight, solver)
         self._end = y_d[-1] if len(y_d) else self._end
         count = len(path.weight) - design.ahead
         free = design.basis.free(count)

@@ -32,11 +32,14 @@ def lifted(f: np.ndarray, rows: int, columns: int, L: int) -> np.ndarray:
     return matrix[:rows]
 
 
-def dense(y: np.ndarray, weight: np.ndarray, axes: list[AxisModel], L: int, wt: float, mu: np.ndarray) -> np.ndarray:
+Spans = list[tuple[int, list[AxisModel]]]  # from which knot interval on the axes are what
+
+
+def dense(y: np.ndarray, weight: np.ndarray, spans: Spans, L: int, wt: float, mu: np.ndarray) -> np.ndarray:
     """The command by the normal equations of J, every plant's filtered splines written out sample by sample."""
     basis = uniform_basis(5, L)
     n, end = basis.free(len(y)), y[-1] - y[0]
-    S = max(-(-(len(truncated(h)) + 6 * L - 1) // L) for axis in axes for h in axis.family)
+    S = max(-(-(len(truncated(h)) + 6 * L - 1) // L) for _, axes in spans for axis in axes for h in axis.family)
     rows, columns = (n + S) * L, n + S
     d = np.diff(y, axis=0, append=y[-1:])
     speed = np.hypot(*d.T)
@@ -46,18 +49,20 @@ def dense(y: np.ndarray, weight: np.ndarray, axes: list[AxisModel], L: int, wt: 
     W = np.concatenate((W, np.tile(weight[-1] * np.eye(2), (rows, 1, 1))))[:rows]
     W = np.repeat(W.reshape(-1, L, 2, 2).mean(axis=1), L, axis=0)  # of whole knot intervals
     target = np.concatenate((y - y[0], np.tile(end, (rows, 1))))[:rows]
-    F = [[lifted(np.convolve(truncated(h), basis.beta), rows, columns, L) for h in axis.family] for axis in axes]
-    mean = [np.tensordot(axis.weights, np.array(f), 1) for axis, f in zip(axes, F, strict=True)]
     A, r = np.zeros((2 * columns, 2 * columns)), np.zeros(2 * columns)
-    for a in range(2):
-        here = slice(a * columns, (a + 1) * columns)
-        for b in range(2):
-            w = W[:, a, b][:, None]
+    for (first, axes), stop in zip(spans, [*(first for first, _ in spans[1:]), n + S], strict=True):
+        here = slice(first * L, stop * L)
+        F = [[lifted(np.convolve(truncated(h), basis.beta), rows, columns, L)[here] for h in axis.family]
+             for axis in axes]  # fmt: skip
+        mean = [np.tensordot(axis.weights, np.array(f), 1) for axis, f in zip(axes, F, strict=True)]
+        for a, b in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            own, other = slice(a * columns, (a + 1) * columns), slice(b * columns, (b + 1) * columns)
+            w = W[here, a, b][:, None]
             pairs = zip(axes[a].weights, F[a], F[a], strict=True) if a == b else [(1.0, mean[a], mean[b])]
-            A[here, b * columns : (b + 1) * columns] += sum(p * f.T @ (w * g) for p, f, g in pairs)
-            r[here] += mean[a].T @ (W[:, a, b] * target[:, b])
-        D = lifted(np.array([1.0, -2.0, 1.0]), columns + 2, columns, 1)
-        A[here, here] += mu[a] * D.T @ D
+            A[own, other] += sum(p * f.T @ (w * g) for p, f, g in pairs)
+            r[own] += mean[a].T @ (W[here, a, b] * target[here, b])
+    D = lifted(np.array([1.0, -2.0, 1.0]), columns + 2, columns, 1)
+    A += np.kron(np.diag(mu), D.T @ D)
     free = np.concatenate((np.arange(n), columns + np.arange(n)))
     known = np.concatenate((np.repeat([0.0, end[0]], (n, S)), np.repeat([0.0, end[1]], (n, S))))
     gamma = known.copy()
@@ -90,7 +95,7 @@ def test_a_dense_solve_says_the_same(seed, samples, spread, members, f, wt):
     weight = np.random.default_rng(seed).uniform(0.1, 1.0, samples)
     u = compensator.start(y[0]).push(y, weight, True)
     if samples > compensator.settle + L:
-        wanted = dense(y, weight, axes, L, wt, compensator.solver.bend)
+        wanted = dense(y, weight, [(0, axes)], L, wt, compensator.solver.bend)
         rest = (compensator.basis.free(samples) + 5) * L
         assert_allclose(u[:rest], wanted[:rest], atol=1e-9)
     assert_array_equal(u[[0, -1]], y[[0, -1]])
@@ -170,6 +175,18 @@ def test_another_design_goes_on_with_a_stretch():
     assert command.shape == y.shape
     assert_allclose(command[6000:], commanded(second, y)[6000:], atol=1e-6)
     assert_allclose(command[:2000], commanded(first, y)[:2000], atol=1e-12)
+
+
+@pytest.mark.parametrize("change", [7, 160, 301])
+def test_plants_that_change_within_a_window_are_solved_together(change):
+    first, second = ([family(f, 0.06, 0.1, 3), family(40, 0.06, 0.1, 3)] for f in (55.0, 44.0))
+    before, after = (design("contour", axes, DT, {"L": 6, "mu": 20.0}) for axes in (first, second))
+    y, weight = motion(8, 420, hold=20), np.ones(420)
+    stream = before.start(y[0])
+    u = [stream.push(y[:change], weight[:change], False)]
+    u.append(after.resume(stream).push(y[change:], weight[change:], True))
+    wanted = dense(y, weight, [(0, first), (-(-change // 6), second)], 6, 0.05, before.solver.bend)
+    assert_allclose(np.concatenate(u)[:400], wanted[:400], atol=1e-9)
 
 
 def test_memory_of_an_endless_stretch_is_bounded():
