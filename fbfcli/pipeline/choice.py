@@ -16,6 +16,7 @@ from fbfcli.printer import Axis, Family, Printer, Spread
 # 35/28 Hz          3.3/7.1    5.4/7.9    7.7/8.8    12.5/10.4
 # 45+85/38+66 Hz    2.5/3.6    3.7/4.1    5.0/4.6    7.8/5.4
 EXACT = {"one mode": 0.03, "several modes": 0.02}
+ROUNDING = 1e-9
 FAMILY_METHODS = ("robust", "contour")  # know the family, not the nominal plant alone
 
 
@@ -47,7 +48,8 @@ def chosen(printer: Printer, settings: Settings) -> Choice:
     if settings.method != AUTO:
         return Choice(settings.method, told if settings.method in FAMILY_METHODS else "")
     kinds = [_kind(axis, settings.dt) for axis in axes]
-    if all(_half_range(uncertainty_of(axis, settings)) <= EXACT[kind] for axis, kind in zip(axes, kinds, strict=True)):
+    half = [_half_range(uncertainty_of(axis, settings)) for axis in axes]
+    if all(h <= EXACT[kind] + ROUNDING for h, kind in zip(half, kinds, strict=True)):
         return Choice("lpfbs", f"{told}: near enough, with {' and '.join(dict.fromkeys(kinds))}")
     return Choice("contour", told)
 

@@ -181,12 +181,12 @@ class Commander:
         attempt.stream, attempt.command = stream, np.concatenate(commands)
 
     def _pieces(self, desired: np.ndarray, earlier: np.ndarray) -> list[tuple[int, slice]]:
-        """Places of a stretch's new samples and the rows to push for each: a command is final a preview later.
+        """Places of a stretch's new samples, and the rows to push under the design of each: as early as it asks for.
 
         earlier : the samples before them whose commands are not final
         """
         place = self._designs.places(np.concatenate([earlier, desired]))
-        final = np.arange(len(desired)) + len(earlier) - self._designs.compensator(0).preview
+        final = np.arange(len(desired)) + len(earlier) - self._designs.compensator(0).notice
         here = place[np.maximum(final, 0)]
         cuts = [0, *(np.flatnonzero(np.diff(here)) + 1).tolist(), len(desired)]
         return [(int(here[i]), slice(i, j)) for i, j in pairwise(cuts)]

@@ -26,7 +26,7 @@ from fbfcli.plant.uncertainty import Members, members
 from fbfcli.printer import Axis, Model, Printer
 
 SHARES = 32  # steps of a model's share
-WINDOWED = ("lpfbs", "robust", "contour")  # keep little of each window where X and Y change the model within a second
+WINDOWED = ("lpfbs", "robust")  # keep little of each window where X and Y change the model within a second
 EVERY = 100  # samples: a tenth of a second at 1 ms, 30 mm at 300 mm/s
 
 Shares = tuple[tuple[float, ...], ...]
