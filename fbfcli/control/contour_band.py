@@ -13,6 +13,8 @@ from fbfcli.control.contour_gram import ContourGram
 from fbfcli.control.contour_weight import IntervalWeights
 from fbfcli.control.projection import projected
 
+LAGS = 24  # columns of a product: what it skips against what it takes to begin
+
 
 def add_band(T: np.ndarray, gram: ContourGram, w: IntervalWeights, first: int, earliest: int) -> None:
     """Add what coefficients make of the intervals first, first + 1, ... whose weights w holds.
@@ -26,10 +28,13 @@ def add_band(T: np.ndarray, gram: ContourGram, w: IntervalWeights, first: int, e
         return
     rows = T[2 * (low - earliest) : 2 * (high - earliest)]
     xx, yy, xy = (_hankel(each, high - low, S, first - low) for each in w)
-    rows[0::2, 0 : 2 * S : 2] += xx @ gram.xx
-    rows[1::2, 0 : 2 * S : 2] += yy @ gram.yy
-    rows[0::2, 1 : 2 * S : 2] += xy @ gram.xy
-    rows[1::2, 1 : 2 * S - 1 : 2] += (xy @ gram.yx)[:, 1:]
+    for d in range(0, S, LAGS):  # G[s, d] is zero for s < d
+        lags, even = slice(d, min(d + LAGS, S)), slice(2 * d, 2 * min(d + LAGS, S), 2)
+        odd = slice(even.start + 1, even.stop, 2)
+        rows[0::2, even] += xx[:, d:] @ gram.xx[d:, lags]
+        rows[0::2, odd] += xy[:, d:] @ gram.xy[d:, lags]
+        rows[1::2, even] += yy[:, d:] @ gram.yy[d:, lags]
+        rows[1::2, odd] += xy[:, d:] @ gram.yx[d:, lags]
 
 
 def add_right(r: np.ndarray, gram: ContourGram, w: IntervalWeights, Y: np.ndarray, first: int) -> None:

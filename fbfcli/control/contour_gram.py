@@ -23,7 +23,8 @@ class ContourGram:
     """Two axes' families, as their splines see them.
 
     mean : two ndarrays, shape (S, L)              mean filtered splines of X and Y
-    xx, yy, xy, yx : ndarray, shape (S, S)         G[s, d]; of xy the later spline is Y's, of yx X's; zero for d > s
+    xx, yy, xy : ndarray, shape (S, S)             G[s, d], zero for d > s; of xy the later spline is Y's
+    yx         : ndarray, shape (S, S)             G[s, d + 1], the later spline X's: the band holds its lag 0 as xy's
     """
 
     mean: tuple[np.ndarray, np.ndarray]
@@ -44,7 +45,8 @@ def contour_gram(basis: Basis, x: AxisModel, y: AxisModel) -> ContourGram:
     mean_x, mean_y = (np.tensordot(axis.weights, each, 1) for axis, each in zip((x, y), fm, strict=True))
     xx, yy = (_mean_product(axis.weights, each) for axis, each in zip((x, y), fm, strict=True))
     cross = mean_x @ mean_y.T
-    return ContourGram((mean_x, mean_y), _by_lag(xx), _by_lag(yy), _by_lag(cross), _by_lag(cross.T))
+    return ContourGram((mean_x, mean_y), _by_lag(xx), _by_lag(yy), _by_lag(cross),
+                       np.roll(_by_lag(cross.T), -1, axis=1) * (np.arange(S) < S - 1))  # fmt: skip
 
 
 def _mean_product(weights: np.ndarray, fm: np.ndarray) -> np.ndarray:

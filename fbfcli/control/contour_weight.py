@@ -24,21 +24,14 @@ class IntervalWeights(NamedTuple):
 
 def interval_weights(path: Path, L: int, wt: float) -> IntervalWeights:
     """Of the path's whole intervals and, where the path ends within one, of that too: it rests from there on."""
-    steps = np.diff(path.y, axis=1, append=path.y[:, -1:])
-    length = np.hypot(*steps)
-    moving = length > AT_REST_MM
-    tx, ty = steps / np.where(moving, length, 1.0)
-    less = np.where(moving, path.weight * (1.0 - wt), 0.0)  # W = g I - g (1 - wt) t t'
-    return IntervalWeights(
-        _means(path.weight - less * tx * tx, L, path.weight[-1]),
-        _means(path.weight - less * ty * ty, L, path.weight[-1]),
-        _means(-less * tx * ty, L, 0.0),
-    )
-
-
-def _means(w: np.ndarray, L: int, rest: float) -> np.ndarray:
-    """Mean of every L samples; `rest` is what would follow the last one."""
-    short = -len(w) % L
-    if short:
-        w = np.concatenate((w, np.full(short, rest)))
-    return w.reshape(-1, L).mean(axis=1)
+    n, g = len(path.weight), path.weight
+    dx, dy = np.diff(path.y, axis=1, append=path.y[:, -1:])
+    squared = dx * dx + dy * dy
+    moving = squared > AT_REST_MM**2
+    less = np.where(moving, (1.0 - wt) * g, 0.0) / np.where(moving, squared, 1.0)  # W = g I - g (1 - wt) t t'
+    W = np.zeros((3, -(-n // L) * L))
+    W[:2] = g[-1]
+    W[0, :n] = g - less * dx * dx
+    W[1, :n] = g - less * dy * dy
+    W[2, :n] = -less * dx * dy
+    return IntervalWeights(*(W.reshape(3, -1, L) @ np.full(L, 1.0 / L)))
