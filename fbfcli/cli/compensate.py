@@ -32,12 +32,13 @@ METHODS = (
     "lpfbs",
     "fbf",
     "robust",
+    "robust_fbf",
     "contour",
 )  # as control.design, without importing numpy
-SPLINE_METHODS = ("auto", "lpfbs", "fbf", "robust", "contour")
+SPLINE_METHODS = ("auto", "lpfbs", "fbf", "robust", "robust_fbf", "contour")
 SPLINE_OPTIONS = {"knots", "degree", "mu", "preview", "settle"}
 FIR_METHODS = ("lpfbs", "fbf")  # whose impulse response may be cut: the others cut theirs by their own rule
-FAMILY_METHODS = ("auto", "robust", "contour")
+FAMILY_METHODS = ("auto", "robust", "robust_fbf", "contour")
 OPTION_NAMES = (
     ("knots", "L"),
     ("preview", "preview"),

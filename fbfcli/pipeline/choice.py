@@ -17,7 +17,7 @@ from fbfcli.printer import Axis, Family, Printer, Spread
 # 45+85/38+66 Hz    2.5/3.6    3.7/4.1    5.0/4.6    7.8/5.4
 EXACT = {"one mode": 0.03, "several modes": 0.02}
 ROUNDING = 1e-9
-FAMILY_METHODS = ("robust", "contour")  # know the family, not the nominal plant alone
+FAMILY_METHODS = ("robust", "robust_fbf", "contour")  # know the family, not the nominal plant alone
 
 
 @dataclass(frozen=True)
