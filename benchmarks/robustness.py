@@ -125,7 +125,7 @@ def machines(printer: Printer, condition: str, dt: float) -> Iterator[tuple[Plan
 
 
 def layers(text: bytes) -> bytes:
-    """Every fourth layer of a PrusaSlicer file with relative E: as much of each kind of line, in a quarter of the time."""
+    """Every fourth layer of a PrusaSlicer file with relative E: all kinds of lines, in a quarter of the time."""
     head, *pieces = text.split(LAYER)
     return LAYER.join([head, *pieces[:-1:LAYERS], pieces[-1]])
 
