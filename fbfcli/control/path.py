@@ -29,6 +29,8 @@ class Path:
 
     def then(self, y: np.ndarray, weight: np.ndarray, model: object) -> Path:
         """This path and what comes after it, where the plants are taken to be `model`."""
+        if not len(weight):
+            return self
         goes_on = self.models[-1][1] is model
         models = self.models if goes_on else (*self.models, (len(self.weight), model))
         return Path(np.concatenate((self.y, y), axis=1), np.concatenate((self.weight, weight)), models)

@@ -118,8 +118,9 @@ def test_command_is_linear_and_moves_with_the_origin(seed, shift, factor):
     assert_allclose(commanded(compensator, y + factor * z), u + factor * v, atol=1e-8)
 
 
-def test_memory_of_an_endless_stretch_is_bounded():
-    compensator = design("lpfbs", *described("35 Hz", "28 Hz"))
+@pytest.mark.parametrize("method", ["lpfbs", "contour"])
+def test_memory_of_an_endless_stretch_is_bounded(method):
+    compensator = design(method, *described("35 Hz", "28 Hz"))
     stream = compensator.start(np.zeros(2))
     sent = got = 0
     for seed in range(30):
@@ -129,9 +130,10 @@ def test_memory_of_an_endless_stretch_is_bounded():
         assert sent - got <= compensator.preview + compensator.n_up * compensator.basis.L
 
 
-def test_a_stiffer_command_bends_less_four_times():
+@pytest.mark.parametrize("method", ["lpfbs", "robust_fbf", "contour"])
+def test_a_stiffer_command_bends_less_four_times(method):
     y = motion(9, 1500)
-    compensator = design("lpfbs", *described("taz6", "35 Hz"))
+    compensator = design(method, *described("taz6", "35 Hz"))
     bends = []
     while compensator is not None:
         bends.append(np.sqrt(np.mean(np.diff(commanded(compensator, y), 2, axis=0) ** 2)))
