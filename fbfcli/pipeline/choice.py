@@ -45,13 +45,14 @@ def chosen(printer: Printer, settings: Settings) -> Choice:
     """
     axes = printer.axes[:2]
     told = _told(axes, settings)
+    changes = _changes(axes)
     if settings.method != AUTO:
-        return Choice(settings.method, told if settings.method in FAMILY_METHODS else "")
+        return Choice(settings.method, _joined(told if settings.method in FAMILY_METHODS else "", changes))
     kinds = [_kind(axis, settings.dt) for axis in axes]
     half = [_half_range(uncertainty_of(axis, settings)) for axis in axes]
     if all(h <= EXACT[kind] + ROUNDING for h, kind in zip(half, kinds, strict=True)):
-        return Choice("lpfbs", f"{told}: near enough, with {' and '.join(dict.fromkeys(kinds))}")
-    return Choice("contour", told)
+        return Choice("lpfbs", _joined(f"{told}: near enough, with {' and '.join(dict.fromkeys(kinds))}", changes))
+    return Choice("contour", _joined(told, changes))
 
 
 def _kind(axis: Axis, dt: float) -> str:
@@ -67,6 +68,19 @@ def _half_range(uncertainty: Spread | Family) -> float:
         return 0.0 if len(uncertainty.models) == 1 else inf
     low, high = uncertainty.frequency
     return max(1.0 - low, high - 1.0)
+
+
+def _joined(*words: str) -> str:
+    return "; ".join(filter(None, words))
+
+
+def _changes(axes: tuple[Axis, ...]) -> str:
+    """Which models change along the print and with what, for people."""
+    told = []
+    for axis in axes:
+        with_what = [name for name in ("x", "y", "z", "mass") if axis.at and getattr(axis.at[0], name) is not None]
+        told += [f"the model of {axis.name} changes with {' and '.join(with_what)}"] if with_what else []
+    return ", ".join(told)
 
 
 def _told(axes: tuple[Axis, ...], settings: Settings) -> str:

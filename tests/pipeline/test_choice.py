@@ -65,3 +65,11 @@ def test_models_at_places_are_taken_to_be_nearer():
     assert uncertainty_of(axis, Settings()) == ASSUMED
     assert uncertainty_of(replace(axis, at=(Place(ONE, z=0.0),)), Settings()) == ASSUMED_AT
     assert uncertainty_of(replace(axis, uncertainty=within(0.2)), Settings()) == within(0.2)
+
+
+def test_it_says_which_models_change_along_the_print():
+    base = machine()
+    axes = (base.axes[0], replace(base.axes[1], at=(Place(ONE, z=0.0, mass=0.1),)), base.axes[2])
+    for method in ("auto", "mzv"):
+        why = chosen(replace(base, axes=axes), Settings(method=method)).why
+        assert "model of y changes with z and mass" in why
