@@ -34,6 +34,7 @@ DEGREE = 5
 KNOT_S = 0.004  # between knots at most: wider ones need a longer hold
 RHO = 0.045  # curvature weight: u'' of (w_n)^2 times a displacement costs this part of it as error
 PREVIEW_S = 0.25  # of LPFBS at least: 10 / ln|z| at 1 ms for the TAZ 6's zeros z outside the unit circle
+MOST_AHEAD = 400  # knots of preview where the robust filter begins early: 300 MB to design; beyond, wider knots
 LONGER = 1.5  # and this much longer as often as its recursion is not stable enough
 ATTEMPTS = 6
 N_C = (2048, 8192)  # coefficients that fbf solves at once, least and most: 150 MB an axis at Q = 2300
@@ -53,12 +54,17 @@ def axis_by_axis(name: str, axes: Sequence[AxisModel], dt: float, given: Mapping
     robust     : limited preview, splines filtered by the robust filter of the family, Ramani 2020b Eq. 11
     robust_fbf : full preview, the expected squared error over the family: as robust, where splines can do all
     """
-    m, L = int(given.get("degree", DEGREE)), int(given.get("L", knot_spacing([axis.modes for axis in axes], dt)))
+    ahead, splines = _filters(name, axes)
+    wide = ceil((PREVIEW_S / dt + ahead) / MOST_AHEAD) if ahead else 0
+    knots = max(knot_spacing([axis.modes for axis in axes], dt), wide)
+    m, L = int(given.get("degree", DEGREE)), int(given.get("L", knots))
     if m < 1 or L < 1 or not 1 <= given.get("n_up", 1) <= given.get("n_C", np.inf):
         raise ModelError(f"degree {m} and L {L} must be at least 1, n_up from 1 to n_C")
     basis = uniform_basis(m, L)
     mu = [10.0**step * given.get("mu", curvature_weight(axis.modes, dt)) for axis in axes]
-    ahead, splines = _filters(name, axes, L)
+    early = np.zeros(-ahead % L)  # whole knots
+    splines = [(tuple(np.concatenate((early, h)) for h in family), weights) for family, weights in splines]
+    ahead += len(early)
     if name in ("lpfbs", "robust"):
         n_C, n_up, solvers = _limited(basis, splines, mu, ahead * dt, dt, given)
     else:
@@ -69,14 +75,14 @@ def axis_by_axis(name: str, axes: Sequence[AxisModel], dt: float, given: Mapping
                              int(given.get("lead", hold)), int(given.get("tail", hold)), ahead)  # fmt: skip
 
 
-def _filters(name: str, axes: Sequence[AxisModel], L: int) -> tuple[int, list[Family]]:
-    """What each axis' splines are filtered by, and how many samples they begin before the spline, whole knots."""
+def _filters(name: str, axes: Sequence[AxisModel]) -> tuple[int, list[Family]]:
+    """What each axis' splines are filtered by, and how many samples all of that begins before the spline."""
     if name == "robust_fbf":
         return 0, [(axis.family, axis.weights) for axis in axes]
     if name != "robust":
         return 0, [((axis.h,), np.ones(1)) for axis in axes]
     responses = [robust_response(axis) for axis in axes]
-    ahead = -(-max(before for _, before in responses) // L) * L
+    ahead = max(before for _, before in responses)
     return ahead, [((np.concatenate((np.zeros(ahead - before), h)),), np.ones(1)) for h, before in responses]
 
 
