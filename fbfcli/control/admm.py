@@ -42,10 +42,11 @@ class Bounds(NamedTuple):
 class _Split:
     """One set of bounds as the steps see it: z its differences within the bounds, w the price of their being there."""
 
-    def __init__(self, bounds: Bounds, n: int):
+    def __init__(self, bounds: Bounds, gamma: np.ndarray):
         self.bounds, self.penalty = bounds, bounds.penalty
-        self.fixed = bounds.differences.of(np.zeros((n, 2)))
-        self.z, self.w = np.zeros_like(self.fixed), np.zeros_like(self.fixed)
+        self.fixed = bounds.differences.of(np.zeros_like(gamma))
+        self.z = np.clip(bounds.differences.of(gamma), -bounds.bound, bounds.bound)
+        self.w = np.zeros_like(self.z)
 
     def harden(self) -> None:
         self.penalty = HARDER * self.penalty
@@ -62,14 +63,15 @@ class _Split:
         self.w += v - self.z
 
 
-def within(T: np.ndarray, r: np.ndarray, bounds: Sequence[Bounds]) -> np.ndarray:
+def within(T: np.ndarray, r: np.ndarray, bounds: Sequence[Bounds], gamma: np.ndarray) -> np.ndarray:
     """The coefficients, shape (n, 2), that keep the bounds to CLOSE of them, if ROUNDS are enough.
 
-    T : ndarray, shape (2 n, 2 S)   band of the problem, by columns
-    r : ndarray, shape (n, 2)       right-hand side
+    T     : ndarray, shape (2 n, 2 S)   band of the problem, by columns
+    r     : ndarray, shape (n, 2)       right-hand side
+    gamma : ndarray, shape (n, 2)       the coefficients without bounds
     """
-    splits = [_Split(bound, len(r)) for bound in bounds]
-    gamma = before = np.zeros_like(r)
+    splits = [_Split(bound, gamma) for bound in bounds]
+    before = gamma
     for turn in range(ROUNDS):
         if turn:
             for split in splits:

@@ -80,7 +80,7 @@ class ContourSolver:
         gamma = dpbtrs(factor, r.reshape(-1), lower=1)[0].reshape(n, 2)
         bounds = self._bounds(path, past, end)
         if any(bound.excess(gamma) > 1.0 for bound in bounds):
-            gamma = within(T[free], r, bounds)
+            gamma = within(T[free], r, bounds, gamma)
         return gamma
 
     def _equations(self, path: Path, n: int, past: np.ndarray, end: np.ndarray | None

@@ -68,8 +68,8 @@ def test_the_best_within_bounds_is_found(seed):
     most = {1: np.array([0.8, 0.6]), 2: np.array([0.7, 0.9])}
     bounds = [Bounds(Differences(order, np.zeros((order, 2)), np.zeros((0, 2))), np.full(2, 0.5), most[order])
               for order in (1, 2)]  # fmt: skip
-    found = within(T, r, bounds)
     A = dense_of(T)
+    found = within(T, r, bounds, np.linalg.solve(A, r.reshape(-1)).reshape(n, 2))
 
     def cost(x):
         return 0.5 * x @ A @ x - r.reshape(-1) @ x
