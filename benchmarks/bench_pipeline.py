@@ -67,10 +67,10 @@ class Measured:
                 and self.peak_mb <= MOST_MB)  # fmt: skip
 
 
-def measure(file: Path, printer: str, scratch: Path) -> Measured:
+def measure(file: Path, printer: str, method: str, scratch: Path) -> Measured:
     """Compensate `file` in a process of its own, on one core. Raises CalledProcessError."""
     summary, out = scratch / "summary.json", scratch / "out.gcode"
-    command = [sys.executable, "-m", "fbfcli.cli.main", "compensate", str(file), "-p", printer,
+    command = [sys.executable, "-m", "fbfcli.cli.main", "compensate", str(file), "-p", printer, "-m", method,
                "-o", str(out), "--json", str(summary), "-q"]  # fmt: skip
     start = time.perf_counter()
     process = subprocess.Popen(command, env={**os.environ, **ONE_THREAD})
@@ -85,7 +85,7 @@ def measure(file: Path, printer: str, scratch: Path) -> Measured:
                     used.ru_utime + used.ru_stime, used.ru_maxrss * 1024 / MB)  # fmt: skip
 
 
-def profiled(file: Path, printer: str, scratch: Path) -> str:
+def profiled(file: Path, printer: str, method: str, scratch: Path) -> str:
     """Where the time of one compensation goes: a table by room and one by function."""
     from fbfcli.cli.lookup import find_printer
     from fbfcli.gcode.scan import chunks
@@ -94,7 +94,8 @@ def profiled(file: Path, printer: str, scratch: Path) -> str:
     profile = cProfile.Profile()
     with file.open("rb") as source, (scratch / "out.gcode").open("wb") as sink:
         profile.enable()
-        compensate(chunks(source), find_printer(printer), Settings(), lambda text: sink.write(text) and None)
+        settings = Settings(method=method)
+        compensate(chunks(source), find_printer(printer), settings, lambda text: sink.write(text) and None)
         profile.disable()
     own = own_times(pstats.Stats(profile))
     rooms: dict[str, float] = defaultdict(float)
@@ -139,6 +140,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("files", type=Path, nargs="*")
     parser.add_argument("-p", "--printer", default="synthetic_bed_slinger")
+    parser.add_argument("-m", "--method", default="lpfbs")
     parser.add_argument("--profile", action="store_true", help="where the time goes, of the first file")
     wanted = parser.parse_args()
     if hasattr(os, "sched_setaffinity"):  # inherited by the processes that are measured
@@ -147,12 +149,12 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         files = wanted.files or made(Path(folder))
         if wanted.profile:
-            print(profiled(files[0], wanted.printer, Path(folder)))
+            print(profiled(files[0], wanted.printer, wanted.method, Path(folder)))
             return
         print("\n".join(Measured.HEAD))
         good = True
         for file in files:
-            measured = measure(file, wanted.printer, Path(folder))
+            measured = measure(file, wanted.printer, wanted.method, Path(folder))
             print(measured.row, flush=True)
             good &= measured.good
     asked = f"at least {LEAST_PRINT_S:.0f} print s and {LEAST_MOVES:.0f} moves per CPU s, at most {MOST_MB:.0f} MB"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from page import put
 from trajectory import motion
 
 from fbfcli.cli.lookup import bundled
@@ -21,7 +22,7 @@ from fbfcli.printer import Printer
 ROOT = Path(__file__).parents[1]
 PART = ROOT / "sample_gcode" / "ringing_tower.gcode"
 PAGE = ROOT / "docs" / "methods.md"
-BEGIN, END = "<!-- table: benchmarks/methods.py --write -->", "<!-- end of table -->"
+COMMAND = "benchmarks/methods.py --write"
 ACCELERATION = 5000.0  # mm/s^2; the file prints at 200 mm/s
 PRINTERS = (("taz6", None), ("taz6", 300.0), ("synthetic_bed_slinger", None))  # name, segments/s if not the profile's
 
@@ -69,15 +70,6 @@ def table(text: bytes, printer: Printer, segments: float | None) -> str:
     return "\n".join(lines)
 
 
-def put(page: str, tables: str) -> str:
-    """The page with new tables between its two marks. Raises ValueError where a mark is missing."""
-    before, _, rest = page.partition(BEGIN)
-    _, mark, after = rest.partition(END)
-    if not mark:
-        raise ValueError(f"{PAGE}: needs the lines {BEGIN} and {END}")
-    return f"{before}{BEGIN}\n{tables}\n{END}{after}"
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", action="store_true", help=f"put the tables into {PAGE.relative_to(ROOT)}")
@@ -86,7 +78,7 @@ def main() -> None:
     tables = "\n\n".join(table(text, printers[name], segments) for name, segments in PRINTERS)
     print(tables)
     if wanted.write:
-        PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), tables), encoding="utf-8")
+        put(PAGE, COMMAND, tables)
 
 
 if __name__ == "__main__":

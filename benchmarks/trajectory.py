@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fbfcli.control.limits import Box
 from fbfcli.gcode.scan import chunks
 from fbfcli.motion.profile import Profile
 from fbfcli.pipeline import Settings
+from fbfcli.pipeline.choice import chosen
 from fbfcli.pipeline.commander import Batch, Commander
-from fbfcli.pipeline.compensate import compensator_of, plants_of
+from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.reader import Reader
 from fbfcli.printer import Printer
 from fbfcli.verify.simulate import Nozzle
@@ -37,13 +37,12 @@ class Motion:
 
     def nozzle(self, printer: Printer, settings: Settings) -> np.ndarray:
         """Where the printer's models put the nozzle, shape (n, 2) [mm]."""
-        plants = [(plant.b, plant.a) for plant in plants_of(printer, settings.dt)]
-        return Nozzle(plants).follow(self.command, self.begin, self.rest)
+        return Nozzle(Designs(printer, "none", settings).b_a(0)).follow(self.command, self.begin, self.rest)
 
 
 def motion(text: bytes, printer: Printer, settings: Settings) -> Motion:
     """The motion of a file under the planner and the method of the settings. Raises what `compensate` raises."""
-    commander = Commander(compensator_of(plants_of(printer, settings.dt), settings), box_of(printer), settings.dt)
+    commander = Commander(Designs(printer, chosen(printer, settings).method, settings), settings.dt)
     rows: list[tuple[np.ndarray, ...]] = []
     begin: list[np.ndarray] = []
     rest: list[np.ndarray] = []
@@ -58,17 +57,6 @@ def motion(text: bytes, printer: Printer, settings: Settings) -> Motion:
         n += len(rows[-1][0])
     desired, command, extruding = (np.concatenate(column) for column in zip(*rows, strict=True))
     return Motion(desired, command, extruding, np.concatenate(begin), np.concatenate(rest))
-
-
-def box_of(printer: Printer) -> Box:
-    """What the printer's X and Y may be commanded."""
-    x, y, _ = printer.axes
-    return Box(
-        low=np.array([x.travel[0], y.travel[0]]),
-        high=np.array([x.travel[1], y.travel[1]]),
-        velocity=np.array([x.command_velocity, y.command_velocity]),
-        acceleration=np.array([x.command_acceleration, y.command_acceleration]),
-    )
 
 
 def _rests(batch: Batch, profile: Profile, inside: np.ndarray, waited: float) -> tuple[np.ndarray, float]:

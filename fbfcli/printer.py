@@ -78,6 +78,33 @@ Model = ModalModel | TransferFunction | ImpulseResponse | FrequencyResponse
 
 
 @dataclass(frozen=True)
+class Spread:
+    """How far an axis may be from its model: factors on its frequencies and dampings, lowest and highest."""
+
+    frequency: tuple[float, float] = (1.0, 1.0)
+    damping: tuple[float, float] = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Family:
+    """The models that an axis may really have, and the probability of each; `weights` sum to 1."""
+
+    models: tuple[Model, ...]
+    weights: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A model, and the position [mm] and the printed mass [kg] that it was measured at; None where it is not said."""
+
+    model: Model
+    x: float | None = None
+    y: float | None = None
+    z: float | None = None
+    mass: float | None = None
+
+
+@dataclass(frozen=True)
 class Axis:
     """One linear axis of the tool. `model` is None for an axis that is not compensated (Z).
 
@@ -85,6 +112,8 @@ class Axis:
     steps_per_mm          : of the motor
     command_velocity      : highest speed a compensated command may have [mm/s]
     command_acceleration  : highest acceleration a compensated command may have [mm/s^2]
+    uncertainty           : how far the axis may be from its model; None: nobody has said
+    at                    : models at several places, all told by the same coordinates; the model changes between them
     """
 
     name: str
@@ -93,6 +122,8 @@ class Axis:
     command_velocity: float = inf
     command_acceleration: float = inf
     model: Model | None = None
+    uncertainty: Spread | Family | None = None
+    at: tuple[Place, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -129,3 +160,4 @@ class Printer:
     delta_radius: float | None = None  # [mm]
     arm_length: float | None = None  # of a delta [mm]
     driver: Driver = Driver()
+    filament_density: float = 1.24e-6  # kg/mm^3, PLA

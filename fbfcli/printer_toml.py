@@ -22,6 +22,7 @@ from fbfcli.printer import (
     TransferFunction,
 )
 from fbfcli.toml_table import Table, parse_toml
+from fbfcli.uncertainty_toml import places, uncertainty
 from fbfcli.units import NS_PER_S
 
 SEGMENTS_PER_SECOND = {"klipper": 1000.0, "marlin": 300.0, "reprapfirmware": 200.0}  # Marlin: 32-bit board, from SD
@@ -29,6 +30,8 @@ GAIN_TOLERANCE = 1e-3  # of the sum of a model's gains: half a unit of the last 
 KLIPPER_CORNER = 1.0  # mm/s, instantaneous_corner_velocity where it is not configured
 COMMAND_VELOCITY_FACTOR = 1.5  # a compensated command overshoots the desired speed ...
 COMMAND_ACCELERATION_FACTOR = 3.0  # ... and swings well past the planned acceleration
+PLA = 1.24  # g/cm^3
+KG_MM3_PER_G_CM3 = 1e-6
 HIGHEST_MODE = 500.0  # Hz: a trajectory of 1 kHz holds nothing above
 MODEL_FORMS = ("modes", "b", "impulse_response", "frequency_response")
 EXAMPLE_MODES = "modes = [{frequency = 35.0, damping = 0.05}]"
@@ -48,7 +51,7 @@ def parse_printer(text: str, file: str, read: Read | None = None) -> Printer:
     whole = parse_toml(text, file).only("printer", "limits", "axis", "driver")
     about = whole.table("printer").only(
         "name", "source", "firmware", "kinematics", "segments_per_second", "nozzle_diameter", "filament_diameter",
-        "max_extrude_cross_section", "delta_radius", "arm_length")
+        "filament_density", "max_extrude_cross_section", "delta_radius", "arm_length")
     firmware = about.choice("firmware", FIRMWARES)
     nozzle = about.number("nozzle_diameter", 0.4, below=20.0)
     # Klipper's own default, klippy/kinematics/extruder.py; the others do not look at the cross-section
@@ -71,6 +74,7 @@ def parse_printer(text: str, file: str, read: Read | None = None) -> Printer:
         delta_radius=_optional(about, "delta_radius"),
         arm_length=_arm_length(about),
         driver=_driver(whole.table("driver")) if "driver" in whole.values else Driver(),
+        filament_density=about.number("filament_density", PLA, below=25.0) * KG_MM3_PER_G_CM3,
     )
 
 
@@ -140,7 +144,7 @@ def _axis(table: Table, index: int, limits: Limits, read: Read | None) -> Axis:
     """One of X, Y, Z; the keys that Limits takes are checked there. Z is never compensated and has no model."""
     name = "XYZ"[index]
     table.only("travel", "steps_per_mm", "max_velocity", "max_acceleration", "jerk", "command_velocity",
-               "command_acceleration", *(["model"] if name != "Z" else []))
+               "command_acceleration", *(["model", "uncertainty", "at"] if name != "Z" else []))
     travel = table.numbers("travel", "travel = [0, 200]")
     if len(travel) != 2:
         table.refuse("travel", "must be two numbers", "lowest and highest position: travel = [0, 200]")
@@ -148,13 +152,20 @@ def _axis(table: Table, index: int, limits: Limits, read: Read | None) -> Axis:
         table.refuse("travel", "the lowest position must come first", f"travel = [{travel[1]:g}, {travel[0]:g}]?")
     velocity = min(limits.velocity, limits.axis_velocity[index])
     acceleration = min(max(limits.acceleration, limits.travel_acceleration), limits.axis_acceleration[index])
+
+    def model_of(inner: Table) -> Model:
+        return _model(inner, read)
+
+    at = places(table, model_of) if "at" in table.values else ()
     return Axis(
         name=name,
         travel=(travel[0], travel[1]),
         steps_per_mm=table.number("steps_per_mm"),
         command_velocity=table.number("command_velocity", COMMAND_VELOCITY_FACTOR * velocity),
         command_acceleration=table.number("command_acceleration", COMMAND_ACCELERATION_FACTOR * acceleration),
-        model=_model(table.table("model"), read) if "model" in table.values else None,
+        model=model_of(table.table("model")) if "model" in table.values else at[0].model if at else None,
+        uncertainty=uncertainty(table, model_of) if "uncertainty" in table.values else None,
+        at=at,
     )
 
 

@@ -84,6 +84,16 @@ def test_check_refuses_an_unstable_model(capsys, tmp_path):
     assert said.err.count("\n") == 1
 
 
+@pytest.mark.parametrize(("said_of_y", "key"), [
+    ("[axis.y.uncertainty]\nfamily = [{ b = [0.0, -0.01], a = [1.0, -1.01], dt = 0.001 }]", "uncertainty"),
+    ("[[axis.y.at]]\nz = 0\nmodel = { b = [0.0, -0.01], a = [1.0, -1.01], dt = 0.001 }", "at[0].model"),
+])  # fmt: skip
+def test_check_looks_at_every_model_of_an_axis(capsys, tmp_path, said_of_y, key):
+    (tmp_path / "mine.toml").write_text(BED_SLINGER.read_text() + "\n" + said_of_y + "\n")
+    assert main.run(["printers", "check", str(tmp_path / "mine.toml")]) == 1
+    assert f"mine.toml: axis.y.{key}: " in capsys.readouterr().err
+
+
 def test_responses_are_looked_for_beside_the_profile(tmp_path, monkeypatch):
     text = BED_SLINGER.read_text().replace("modes = [{ frequency = 28.0, damping = 0.05 }]",
                                            'impulse_response = "h.csv"\ndt = 0.001')

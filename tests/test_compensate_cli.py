@@ -223,3 +223,26 @@ def test_planning_with_more_than_the_machine_stands_is_refused(part, capsys, opt
     assert run(part, option, "1e5") == 1
     assert f"{option} 100000 is more than the machine stands: command_" in one_line(capsys)
     assert names(part) == [part.name]
+
+
+def test_the_verb_names_every_method_and_auto():
+    from fbfcli.cli.compensate import METHODS
+    from fbfcli.control import design
+    from fbfcli.pipeline.settings import AUTO
+
+    assert sorted(METHODS) == sorted((AUTO, *design.METHODS))
+
+
+@pytest.mark.parametrize(("words", "method", "why"), [
+    ([], "contour", "does not say"), (["--spread", "2"], "lpfbs", "as asked for"), (["-m", "zv"], "zv", "")])
+def test_the_summary_says_which_method_was_taken_and_why(part, capsys, words, method, why):
+    run(part, "-n", "--json", "-", *words)
+    told = json.loads(capsys.readouterr().out)
+    assert told["method"] == method
+    assert why in told["why"]
+
+
+@pytest.mark.parametrize("words", [["-m", "zv", "--spread", "5"], ["--spread", "60"], ["--spread", "nan"],
+                                   ["--extrusion", "maybe"], ["--fir", "500"]])  # fmt: skip
+def test_options_that_do_not_fit_are_a_wrong_command_line(part, words):
+    assert run(part, "-n", *words) == 2

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 SUFFIX = ".fbf"
 METHODS = (
+    "auto",
     "none",
     "zv",
     "mzv",
@@ -30,9 +31,14 @@ METHODS = (
     "3hump_ei",
     "lpfbs",
     "fbf",
+    "robust",
+    "robust_fbf",
+    "contour",
 )  # as control.design, without importing numpy
-SPLINE_METHODS = ("lpfbs", "fbf")
-SPLINE_OPTIONS = {"knots", "degree", "mu", "preview", "fir", "settle"}
+SPLINE_METHODS = ("auto", "lpfbs", "fbf", "robust", "robust_fbf", "contour")
+SPLINE_OPTIONS = {"knots", "degree", "mu", "preview", "settle"}
+FIR_METHODS = ("lpfbs", "fbf")  # whose impulse response may be cut: the others cut theirs by their own rule
+FAMILY_METHODS = ("auto", "robust", "robust_fbf", "contour")
 OPTION_NAMES = (
     ("knots", "L"),
     ("preview", "preview"),
@@ -41,6 +47,7 @@ OPTION_NAMES = (
 )  # as control.design has them
 UM_PER_MM = 1e3
 MS_PER_S = 1e3
+PERCENT = 100.0
 
 
 @click.command(no_args_is_help=False)
@@ -57,9 +64,20 @@ MS_PER_S = 1e3
     "-m",
     "--method",
     type=click.Choice(METHODS),
-    default="lpfbs",
-    show_default=True,
+    default="auto",
+    show_default="auto: by a rule, told in the summary",
     help="How the command is computed.",
+)
+@click.option(
+    "--spread",
+    type=Number(0, 50),
+    metavar="PERCENT",
+    help="How far frequencies may be from the models' (auto, robust, contour). [default: the profile's, else 15]",
+)
+@click.option(
+    "--extrusion",
+    type=click.Choice(("nozzle", "plan")),
+    help="Filament in step with where the nozzle is expected, or with the plan. [default: nozzle for robust, contour]",
 )
 @click.option(
     "--accel",
@@ -87,16 +105,18 @@ MS_PER_S = 1e3
     metavar="PER_S",
     help="Segments per second the firmware takes. [default: the profile's]",
 )
-@click.option("--knots", type=click.IntRange(1, 200), metavar="MS", help="lpfbs, fbf: spacing of the spline's knots.")
-@click.option("--degree", type=click.IntRange(2, 9), metavar="M", help="lpfbs, fbf: degree of the spline.")
-@click.option("--mu", type=Number(min=0), metavar="WEIGHT", help="lpfbs, fbf: weight on the command's curvature.")
-@click.option("--preview", type=click.IntRange(10, 5000), metavar="MS", help="lpfbs: how far the method looks ahead.")
+@click.option("--knots", type=click.IntRange(1, 200), metavar="MS", help="Splines: spacing of their knots.")
+@click.option("--degree", type=click.IntRange(2, 9), metavar="M", help="Splines: their degree.")
+@click.option("--mu", type=Number(min=0), metavar="WEIGHT", help="Splines: weight on the command's curvature.")
+@click.option(
+    "--preview", type=click.IntRange(10, 5000), metavar="MS", help="lpfbs, contour: how far the method looks ahead."
+)
 @click.option("--fir", type=click.IntRange(10, 20000), metavar="MS", help="lpfbs, fbf: length of the impulse response.")
 @click.option(
     "--settle",
     type=click.IntRange(0, 1000),
     metavar="MS",
-    help="lpfbs, fbf: rest kept before and after each stretch of motion.",
+    help="Splines: rest kept before and after each stretch of motion.",
 )
 @json_option
 @click.option(
@@ -126,6 +146,7 @@ def compensate(
     fbf compensate part.gcode -p synthetic_bed_slinger       writes part.fbf.gcode
     fbf compensate part.gcode -p taz6 --accel 5000           plans with a higher acceleration
     fbf compensate -i -p ~/my_printer.toml part.gcode        in a slicer's post-processing box
+    fbf compensate part.gcode -p taz6 --spread 10            trusts the model within 10 %
     fbf compensate -p taz6 -m zv --dry-run --json - part.gcode | jq .contour_after
     zcat part.gcode.gz | fbf compensate -p taz6 - > out.gcode
     """
@@ -167,8 +188,9 @@ def settings_of(how: dict[str, Any], patch_times: bool) -> Settings:
     from fbfcli.pipeline import Settings
 
     given = {name: value for name, value in how.items() if value is not None}
-    if given["method"] not in SPLINE_METHODS and (idle := sorted(given.keys() & SPLINE_OPTIONS)):
-        raise click.UsageError(f"--{idle[0]} is for {' and '.join(SPLINE_METHODS)}, not for {given['method']}")
+    for own, methods in ((SPLINE_OPTIONS, SPLINE_METHODS), ({"fir"}, FIR_METHODS), ({"spread"}, FAMILY_METHODS)):
+        if given["method"] not in methods and (idle := sorted(given.keys() & own)):
+            raise click.UsageError(f"--{idle[0]} is for {', '.join(methods)}, not for {given['method']}")
     samples = {
         name: round(given[name] / MS_PER_S / Settings.dt)
         for name in ("knots", "preview", "settle", "fir")
@@ -183,6 +205,8 @@ def settings_of(how: dict[str, Any], patch_times: bool) -> Settings:
         velocity=given.get("velocity"),
         segments_per_second=given.get("segments"),
         options=options,
+        spread=given["spread"] / PERCENT if "spread" in given else None,
+        with_nozzle=given["extrusion"] == "nozzle" if "extrusion" in given else None,
         fir=samples.get("fir"),
         patch_times=patch_times,
     )

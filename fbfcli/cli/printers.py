@@ -75,15 +75,23 @@ def _rows(files: dict[str, Path]) -> tuple[list[Row], list[str]]:
 
 def _row(name: str, file: Path) -> Row:
     from fbfcli.plant.model import modes, plant_of  # imports numpy and scipy
+    from fbfcli.plant.uncertainty import members
 
     printer = read_printer(file)
     found = {}
     for axis in printer.axes:
         if axis.model is not None:
             try:
+                key = "model"
                 plant = plant_of(axis.model, DT, axis.name)
+                key = "uncertainty"
+                if axis.uncertainty is not None:
+                    members(axis.model, axis.uncertainty, DT, axis.name)
+                for i, place in enumerate(axis.at):
+                    key = f"at[{i}].model"
+                    plant_of(place.model, DT, axis.name)
             except FbfError as error:
-                raise ProfileError(f"{file}: axis.{axis.name.lower()}.model: {error}") from None
+                raise ProfileError(f"{file}: axis.{axis.name.lower()}.{key}: {error}") from None
             found[axis.name.lower()] = sorted((mode.frequency, mode.damping) for mode in modes(plant)[:MODES_SHOWN])
     return Row(name, str(file), printer.firmware, printer.kinematics, found, printer.source)
 

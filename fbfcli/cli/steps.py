@@ -37,7 +37,9 @@ ENDINGS = {  # of files, by format; as steps.formats has them, without importing
 RATED = ("positions", "marlin")
 EVENTS = ".events.jsonl"
 AS_WRITTEN = "none"
-METHOD_OPTIONS = ("method", "accel", "velocity", "knots", "degree", "mu", "preview", "fir", "settle")
+METHOD_OPTIONS = (
+    "method", "spread", "extrusion", "accel", "velocity", "knots", "degree", "mu", "preview", "fir", "settle",
+)  # fmt: skip
 
 
 @click.command(no_args_is_help=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,3 +25,8 @@ class AxisModel:
     modes: tuple[tuple[float, float, float], ...]
     family: tuple[np.ndarray, ...]
     weights: np.ndarray
+
+
+def exactly(b: np.ndarray, a: np.ndarray, h: np.ndarray, modes: Sequence[tuple[float, float, float]]) -> AxisModel:
+    """The axis whose plant is known: a family of one."""
+    return AxisModel(b, a, h, tuple(modes), (h,), np.ones(1))

@@ -28,6 +28,7 @@ class Compensator(Protocol):
     lead, tail : hold a stretch needs before and after its motion [samples]
     settle     : a stretch of fewer samples is passed through: no command can move and rest within it [samples]
     preview    : desired positions ahead that a command may depend on [samples]
+    notice     : samples that another design must be resumed with before those that it is meant for
     """
 
     @property
@@ -40,6 +41,8 @@ class Compensator(Protocol):
     def settle(self) -> int: ...
     @property
     def preview(self) -> int: ...
+    @property
+    def notice(self) -> int: ...
 
     def start(self, y_0: np.ndarray) -> Stream:
         """A stretch whose command rests at y_0, shape (axes,) [mm], before it."""
@@ -62,7 +65,7 @@ class Uncompensated:
 
     name = "none"
     lead = tail = AT_REST
-    settle = preview = 0
+    settle = preview = notice = 0
 
     def start(self, y_0: np.ndarray) -> Uncompensated:
         """The stretch needs no memory: the compensator is its own stream."""

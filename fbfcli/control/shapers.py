@@ -85,7 +85,7 @@ class Shaper:
     lead: int
     tail: int
 
-    settle = 0
+    settle = notice = 0
 
     @property
     def preview(self) -> int:

@@ -11,15 +11,16 @@ Positions are relative to the stretch's start, where everything rests at 0; the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg.lapack import dpbtrf, dpbtrs
 
 from fbfcli.control.basis import Basis
+from fbfcli.control.projection import projected
 from fbfcli.errors import ModelError
 
-BLOCK = 256  # coefficients whose right-hand side is summed at once: its products stay in the cache
 FELT = 1e-11  # of a step at a window's end: the path of the next few knots there is some 10 mm, so 1e-10 mm
 SINGULAR = 1e-12  # a pivot under this part of the diagonal: the plant hides that spline from its output
 
@@ -66,32 +67,28 @@ class FilteredBasis:
     def _projected(self, y: np.ndarray, n: int) -> np.ndarray:
         """r_i = sum_k psi[k - iL] y[k] for i < n; samples past the end count as zero."""
         S, L = self.psi.shape
-        r = np.empty(n)
-        for i in range(0, n, BLOCK):
-            count = min(BLOCK, n - i)
-            part = y[i * L : (i + count - 1 + S) * L]
-            s = min(S, -(-len(part) // L))
-            width = count - 1 + s
-            Y = np.zeros((width, L))
-            Y.reshape(-1)[: len(part)] = part[: width * L]
-            # C[q, j] = psi's piece q on interval j; r_i sums C[q, i + q]: rows one longer put that diagonal in columns
-            C = np.zeros(s * (width + 1))
-            np.matmul(self.psi[:s], Y.T, out=C[: s * width].reshape(s, width))
-            r[i : i + count] = C.reshape(s, width + 1)[:, :count].sum(axis=0)
-        return r
+        heard = y[: (n - 1 + S) * L]
+        Y = np.zeros((-(-len(heard) // L), L))
+        Y.reshape(-1)[: len(heard)] = heard
+        return projected(self.psi, Y, n)
 
 
-def filtered_basis(basis: Basis, h: np.ndarray, mu: float, n_max: int) -> FilteredBasis:
-    """For an impulse response h of sum 1 and stretches of at most n_max coefficients.
+def filtered_basis(basis: Basis, family: Sequence[np.ndarray], weights: np.ndarray, mu: float,
+                   n_max: int) -> FilteredBasis:  # fmt: skip
+    """For impulse responses of sum 1 and stretches of at most n_max coefficients.
+
+    Of several plants, the expected squared error is made least: r takes their mean psi, R their mean R.
 
     Raises ModelError where the plant answers some combination of splines with nothing.
     """
     L = basis.L
-    filtered = np.convolve(h, basis.beta)
-    S = -(-len(filtered) // L)
-    psi = np.zeros(S * L)
-    psi[: len(filtered)] = filtered
-    R = _autocorrelation(psi, L)
+    filtered = [np.convolve(h, basis.beta) for h in family]
+    S = max(-(-len(f) // L) for f in filtered)
+    psi, R = np.zeros(S * L), np.zeros(S)
+    for f, weight in zip(filtered, weights.tolist(), strict=True):
+        psi[: len(f)] += weight * f
+        each = _autocorrelation(f, L)
+        R[: len(each)] += weight * each
     v = np.convolve(basis.beta, [1.0, -2.0, 1.0])
     bent = mu * _autocorrelation(v, L)
     R[: len(bent)] += bent[: len(R)]

@@ -5,24 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-import numpy as np
-
 from fbfcli import __version__
-from fbfcli.control.compensator import Compensator
-from fbfcli.control.design import design
-from fbfcli.control.limits import Box
 from fbfcli.errors import ProfileError
 from fbfcli.gcode.stamp import stamp
 from fbfcli.motion.budget import Budget
+from fbfcli.pipeline.choice import Choice, chosen
 from fbfcli.pipeline.commander import Commander, Remedies
+from fbfcli.pipeline.designs import Designs
+from fbfcli.pipeline.filament import Filament
 from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.scribe import Patch, Scribe
 from fbfcli.pipeline.segmenter import Segmenter
 from fbfcli.pipeline.settings import Settings
 from fbfcli.pipeline.summary import BUSY, Errors, Summary
-from fbfcli.plant.model import Plant, cut, impulse_response, modes, plant_of
 from fbfcli.printer import Printer
-from fbfcli.verify.tally import Tally
+from fbfcli.verify.tally import Stretches, Tally
 
 MARLIN_STEPS = 6  # MIN_STEPS_PER_SEGMENT: Marlin drops shorter moves
 FEW_MOVES, FEW = 10, 0.01  # moves left alone that are not worth a warning: the first ones of every print
@@ -38,54 +35,39 @@ class Done:
     time: float
 
 
-def plants_of(printer: Printer, dt: float) -> tuple[Plant, Plant]:
-    """Plants of X and Y at period dt. Raises ModelError, ProfileError."""
-    plants = []
-    for axis in printer.axes[:2]:
-        if axis.model is None:
-            raise ProfileError(f"{printer.name}: axis {axis.name} has no model (write [axis.{axis.name}.model])")
-        plants.append(plant_of(axis.model, dt, axis.name))
-    return plants[0], plants[1]
-
-
-def compensator_of(plants: tuple[Plant, Plant], settings: Settings) -> Compensator:
-    """The method of the settings, designed for the plants. Raises ModelError."""
-    h = [impulse_response(plant) for plant in plants]
-    if settings.fir is not None:
-        h = [cut(response, settings.fir) for response in h]
-    return design(settings.method, h, [modes(plant) for plant in plants], settings.dt, settings.options)
-
-
 def compensate(
     chunks: Iterable[bytes],
     printer: Printer,
     settings: Settings,
     write: Callable[[bytes], object],
     progress: Callable[[int], None] = lambda done: None,
+    watch: Callable[[Stretches], None] = lambda part: None,
 ) -> Done:
     """Compensate a file.
 
     chunks   : its text, whole lines
     write    : takes the new text
     progress : told how many bytes of the old text have been read
+    watch    : told what the firmware makes of the new text, stretches by stretches
 
     Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
     """
     check_ceilings(printer, settings)
-    plants = plants_of(printer, settings.dt)
+    choice = chosen(printer, settings)
     budget = _budget(printer, settings)
-    b_a = [(plant.b, plant.a) for plant in plants]
-    tally = Tally(b_a)
-    told = stamp(__version__, f'printer="{printer.name}" {settings.told()}')
-    commander = Commander(compensator_of(plants, settings), box_of(printer), settings.dt)
-    segmenter = Segmenter(printer, b_a, budget, settings.dt)
+    designs = Designs(printer, choice.method, settings)
+    tally = Tally(designs.b_a, watch)
+    told = stamp(__version__, f'printer="{printer.name}" {settings.told(choice.method)}')
+    commander = Commander(designs, settings.dt)
+    filament = Filament(designs, settings)
+    segmenter = Segmenter(printer, designs.b_a(0), budget, settings.dt)
     scribe = Scribe(printer.firmware, printer.limits, segmenter, tally, write, told, settings.patch_times)
     reader = Reader(printer, settings)
     for portion in reader.portions(chunks, progress):
-        batch = commander.batch(portion.part, portion.inside)
+        batch = filament.pushed(commander.batch(portion.part, portion.inside))
         scribe.batch(batch, portion.part, portion.inside, portion.lines, portion.table)
     scribe.finish()
-    summary = _summary(printer, settings, budget, reader, scribe, tally, commander.remedies)
+    summary = _summary(printer, choice, settings, budget, reader, scribe, tally, commander.remedies)
     return Done(summary, tuple(scribe.patches), scribe.elapsed)
 
 
@@ -103,16 +85,6 @@ def check_ceilings(printer: Printer, settings: Settings) -> None:
                 )
 
 
-def box_of(printer: Printer) -> Box:
-    axes = printer.axes[:2]
-    return Box(
-        low=np.array([axis.travel[0] for axis in axes]),
-        high=np.array([axis.travel[1] for axis in axes]),
-        velocity=np.array([axis.command_velocity for axis in axes]),
-        acceleration=np.array([axis.command_acceleration for axis in axes]),
-    )
-
-
 def _budget(printer: Printer, settings: Settings) -> Budget:
     rate = settings.segments_per_second or printer.segments_per_second
     coarsest = min(axis.steps_per_mm for axis in printer.axes[:2])
@@ -126,6 +98,7 @@ def _budget(printer: Printer, settings: Settings) -> Budget:
 
 def _summary(
     printer: Printer,
+    choice: Choice,
     settings: Settings,
     budget: Budget,
     reader: Reader,
@@ -135,8 +108,9 @@ def _summary(
 ) -> Summary:
     return Summary(
         printer=printer.name,
-        method=settings.method,
-        settings=settings.told(),
+        method=choice.method,
+        why=choice.why,
+        settings=settings.told(choice.method),
         time_as_sliced=reader.time_as_sliced + scribe.dwelt,
         time=scribe.elapsed,
         lines=reader.count,

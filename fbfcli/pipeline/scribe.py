@@ -173,6 +173,7 @@ class Scribe:
                 executed=segments.done,
                 late=segments.late,
                 dt=dt,
+                place=batch.place,
             )
         )
 

@@ -6,9 +6,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 
+from fbfcli.pipeline.choice import Choice, chosen
 from fbfcli.pipeline.commander import Commander
-from fbfcli.pipeline.compensate import box_of, check_ceilings, compensator_of, plants_of
+from fbfcli.pipeline.compensate import check_ceilings
+from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.drive import Drive, MotorTold, motors_of
+from fbfcli.pipeline.filament import Filament
 from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.settings import Settings
 from fbfcli.pipeline.summary import clock
@@ -28,6 +31,7 @@ class StepsSummary:
     printer: str
     kinematics: str
     method: str
+    why: str
     time: float
     lines: int
     moves: int
@@ -47,6 +51,7 @@ class StepsSummary:
             (f"motor {one.name}", f"{one.steps:,} steps, at most {one.peak_rate:,.0f}/s, ends at {one.end:,}")
             for one in self.motors
         ]
+        rows.append(("method", f"{self.method} ({self.why})" if self.why else self.method))
         told = [f"{name + ':':15s}{value}" for name, value in rows]
         return "\n".join([*told, *(f"warning: {warning}" for warning in self.warnings)])
 
@@ -60,15 +65,13 @@ class StepStream:
         self.motors = motors_of(printer)
         self._timeline = Timeline(settings.dt)
         self._reader = Reader(printer, settings, as_written=settings.method == AS_WRITTEN)
-        self._commander = self._command()
+        self._choice = chosen(printer, settings) if settings.method != AS_WRITTEN else Choice(AS_WRITTEN, "")
+        self._commander: Commander | None = None
+        if self._choice.method != AS_WRITTEN:
+            designs = Designs(printer, self._choice.method, settings)
+            self._commander, self._filament = Commander(designs, settings.dt), Filament(designs, settings)
         self._drive = Drive(printer, self.motors, settings.dt)
         self._events = 0
-
-    def _command(self) -> Commander | None:
-        if self._settings.method == AS_WRITTEN:
-            return None
-        compensator = compensator_of(plants_of(self._printer, self._settings.dt), self._settings)
-        return Commander(compensator, box_of(self._printer), self._settings.dt)
 
     def pieces(
         self, chunks: Iterable[bytes], progress: Callable[[int], None] = lambda done: None
@@ -79,7 +82,9 @@ class StepStream:
         progress : told how many bytes of it have been read
         """
         for portion in self._reader.portions(chunks, progress):
-            batch = self._commander.batch(portion.part, portion.inside) if self._commander else None
+            batch = None
+            if self._commander:
+                batch = self._filament.pushed(self._commander.batch(portion.part, portion.inside))
             track, events = self._timeline.part(portion.part, portion.inside, batch, portion.lines)
             self._events += len(events)
             cuts = [*range(0, len(track), ROWS), len(track)]
@@ -96,7 +101,8 @@ class StepStream:
         return StepsSummary(
             printer=self._printer.name,
             kinematics=self._printer.kinematics,
-            method=self._settings.method,
+            method=self._choice.method,
+            why=self._choice.why,
             time=round(self._timeline.time, 6),
             lines=self._reader.count,
             moves=self._reader.moves,

@@ -20,6 +20,7 @@ class Errors:
 class Summary:
     """Figures of one compensated file; times [s], errors [um].
 
+    method, why          : the method that was taken, and why where fbf chose or assumed something
     time_as_sliced       : as the firmware would print the input
     time                 : as it prints the output
     lines, moves         : of the input
@@ -39,6 +40,7 @@ class Summary:
 
     printer: str
     method: str
+    why: str
     settings: str
     time_as_sliced: float
     time: float
@@ -85,6 +87,7 @@ class Summary:
                 f"{before.rms:.1f} -> {after.rms:.1f} um rms, {before.p99:.0f} -> {after.p99:.0f} um 99 %, "
                 f"{before.max:.0f} -> {after.max:.0f} um max (extruding, predicted)",
             ),
+            ("method", f"{self.method} ({self.why})" if self.why else self.method),
         ]
         lines = [f"{name + ':':15s}{value}" for name, value in rows]
         return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])

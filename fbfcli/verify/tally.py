@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from fbfcli.motion.polyline import Polyline
 from fbfcli.motion.profile import Profile
 from fbfcli.motion.sample import sample
 from fbfcli.verify.contour_error import REACH, ErrorTally, contour_error
-from fbfcli.verify.simulate import Nozzle
+from fbfcli.verify.simulate import BA, Nozzle
 
 STRIDE = 4  # samples between those whose contour error is measured
 
@@ -33,6 +33,7 @@ class Stretches:
     executed   : Profile                           what the planner model makes of them
     late       : float                             how late the first starts [s]
     dt         : float
+    place      : ndarray of int, shape (n,)        where the print is; None: the plants hold everywhere
     """
 
     begin: np.ndarray
@@ -51,13 +52,14 @@ class Stretches:
     executed: Profile
     late: float
     dt: float
+    place: np.ndarray | None = None
 
-    def positions(self) -> np.ndarray:
-        """X and Y that the planner model executes, on the samples, shape (n, 2)."""
+    def positions(self, columns: slice = slice(2)) -> np.ndarray:
+        """What the planner model executes, on the samples, shape (n, k): X and Y, or these of X Y Z E."""
         t0 = self._starts(self.executed.duration)
         if self.begun:
             t0[: self._counts[0]] += self.late
-        start, delta = self.start[:, :2], self.delta[:, :2]
+        start, delta = self.start[:, columns], self.delta[:, columns]
         x, _ = sample(start, delta, self.distance, self.executed, t0, len(self.desired), self.dt)
         new = slice(1 if self.begun else 0, None)
         x[self.begin[new]] = start[self.first[new]]
@@ -106,12 +108,15 @@ class _Paths:
 class Tally:
     """What the written file does on the printer's own model, so far.
 
-    plants : (b, a) of X and Y
+    plants : (b, a) of X and Y, or what gives them for a place
+    watch  : told of everything that is added
     follow, chord : what is executed against the polyline that is written, and that against the command
     before, after : errors of the nozzle uncompensated and compensated
     """
 
-    def __init__(self, plants: Sequence[tuple[np.ndarray, np.ndarray]]):
+    def __init__(self, plants: Sequence[BA] | Callable[[int], Sequence[BA]],
+                 watch: Callable[[Stretches], None] = lambda part: None):
+        self._watch = watch
         self._uncompensated, self._compensated = Nozzle(plants), Nozzle(plants)
         self._open: _Paths | None = None  # the last samples of a stretch that goes on
         self._counted = 0  # those of them that are counted already
@@ -123,6 +128,7 @@ class Tally:
 
     def add(self, part: Stretches) -> None:
         """Execute the written segments, drive the plant, and count the errors."""
+        self._watch(part)
         self.segments += len(part.distance)
         self.wanted_s += float(part.wanted.sum())
         self.executed_s += float(part.executed.duration.sum())
@@ -132,8 +138,9 @@ class Tally:
         self.follow.add(_distance(x[new], polyline[new]))
         self.chord.add(_distance(polyline[new], part.command[new]))
         begin, rest = (part.begin[1:] - 1, part.rest[1:]) if part.begun else (part.begin, part.rest)
-        before = self._uncompensated.follow(part.desired[new], begin, rest)
-        after = self._compensated.follow(x[new], begin, rest)
+        place = None if part.place is None else part.place[new]
+        before = self._uncompensated.follow(part.desired[new], begin, rest, place)
+        after = self._compensated.follow(x[new], begin, rest, place)
         self._contour(_Paths(part.desired[new], before, after, part.extruding[new]), begin, part.goes_on)
 
     def _count_seconds(self, wanted: np.ndarray) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fbfcli.control.axis_model import AxisModel, exactly
 from fbfcli.plant.model import Plant, impulse_response, modes, plant_of
 from fbfcli.printer import ModalModel, Mode, TransferFunction
 
@@ -22,10 +23,23 @@ MODELS = {
 PLANTS: dict[str, Plant] = {name: plant_of(model, DT, "x") for name, model in MODELS.items()}
 
 
-def described(*names: str) -> tuple[list[np.ndarray], list[tuple], float]:
+def described(*names: str) -> tuple[list[AxisModel], float]:
     """What `design` takes of the named plants, one per axis."""
     plants = [PLANTS[name] for name in names]
-    return [impulse_response(plant) for plant in plants], [modes(plant) for plant in plants], DT
+    return [exactly(plant.b, plant.a, impulse_response(plant), modes(plant)) for plant in plants], DT
+
+
+def family(f: float, zeta: float, spread: float, members: int) -> AxisModel:
+    """An axis of one mode [Hz] that is known to +-spread: so many plants, equally probable."""
+    plants = [plant_of(ModalModel((Mode(f * (1 + q), zeta),)), DT, "x") for q in np.linspace(-spread, spread, members)]
+    nominal = plant_of(ModalModel((Mode(f, zeta),)), DT, "x")
+    return AxisModel(nominal.b, nominal.a, impulse_response(nominal), modes(nominal),
+                     tuple(impulse_response(plant) for plant in plants), np.full(members, 1 / members))  # fmt: skip
+
+
+def answering(h: np.ndarray) -> AxisModel:
+    """An axis of this impulse response, without a mode."""
+    return exactly(h, np.ones(1), h, ())
 
 
 def motion(seed: int, samples: int, axes: int = 2, hold: int = 18, offset: float = 100.0) -> np.ndarray:

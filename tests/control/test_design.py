@@ -8,7 +8,8 @@ from control_cases import DT, commanded, described, motion
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fbfcli.control.basis import uniform_basis
-from fbfcli.control.design import METHODS, curvature_weight, design, knot_spacing
+from fbfcli.control.design import METHODS, design
+from fbfcli.control.spline_design import curvature_weight, knot_spacing
 from fbfcli.errors import ModelError
 
 

@@ -43,10 +43,10 @@ def dense_windows(h, y, m, L, n_C, n_up, mu, windows):
 @pytest.mark.parametrize("name", ["taz6", "35 Hz"])
 @pytest.mark.parametrize(("L", "n_C", "n_up", "mu"), [(17, 56, 28, 0.0), (8, 64, 24, 5.0), (6, 90, 40, 10.0)])
 def test_agrees_with_dense_windows(name, L, n_C, n_up, mu):
-    h, modes, dt = described(name)
-    compensator = design("lpfbs", h, modes, dt, {"L": L, "n_C": n_C, "n_up": n_up, "mu": mu})
+    axes, dt = described(name)
+    compensator = design("lpfbs", axes, dt, {"L": L, "n_C": n_C, "n_up": n_up, "mu": mu})
     y = motion(0, (n_C + 4 * n_up) * L, 1)
-    gamma = dense_windows(h[0], y[:, 0], 5, L, n_C, n_up, mu, 3)
+    gamma = dense_windows(axes[0].h, y[:, 0], 5, L, n_C, n_up, mu, 3)
     basis = uniform_basis(5, L)
     u = np.zeros(3 * n_up * L)
     basis.command(np.concatenate((np.zeros(5), gamma)), u)
@@ -70,21 +70,21 @@ def test_pieces_of_any_size_give_the_same(seed, samples, pieces, method):
 
 @pytest.mark.parametrize("name", ["taz6", "hictop", "35 Hz"])
 def test_approaches_full_preview_as_the_preview_grows(name):
-    h, modes, dt = described(name)
+    axes, dt = described(name)
     y = motion(2, 6000, 1)
-    full = commanded(design("fbf", h, modes, dt, {"L": 6}), y)
+    full = commanded(design("fbf", axes, dt, {"L": 6}), y)
     gaps = [
-        np.abs(commanded(design("lpfbs", h, modes, dt, {"L": 6, "n_C": 2 * n, "n_up": n}), y) - full).max()
+        np.abs(commanded(design("lpfbs", axes, dt, {"L": 6, "n_C": 2 * n, "n_up": n}), y) - full).max()
         for n in (20, 42, 84)
     ]
     assert gaps[1] < 2e-5 and gaps[2] < 1e-6 and gaps[2] - 1e-9 <= gaps[1] <= gaps[0]
 
 
 def test_the_papers_windows_are_close_to_full_preview():
-    h, modes, dt = described("taz6")
+    axes, dt = described("taz6")
     y = motion(4, 8000, 1)
-    full = commanded(design("fbf", h, modes, dt, {"L": 17, "mu": 0.0}), y)
-    assert_allclose(commanded(design("lpfbs", h, modes, dt, PAPER), y), full, atol=5e-6 * np.ptp(y))
+    full = commanded(design("fbf", axes, dt, {"L": 17, "mu": 0.0}), y)
+    assert_allclose(commanded(design("lpfbs", axes, dt, PAPER), y), full, atol=5e-6 * np.ptp(y))
 
 
 def test_an_unstable_recursion_is_refused_with_its_radius():
@@ -96,14 +96,14 @@ def test_an_unstable_recursion_is_refused_with_its_radius():
 @settings(max_examples=20, deadline=None)
 def test_a_straight_line_at_constant_speed_survives(speed, start):
     """The middle of a long line is the line itself, ahead by the plant's mean delay."""
-    h, modes, dt = described("taz6", "35 Hz")
+    axes, dt = described("taz6", "35 Hz")
     n = 4000
     k = np.arange(n)
     s = np.interp(k, [0, 100, n - 100, n], [0, 0, n - 200, n - 200]) * speed * DT
-    u = commanded(design("lpfbs", h, modes, dt), np.column_stack((start + s, start - s)))
+    u = commanded(design("lpfbs", axes, dt), np.column_stack((start + s, start - s)))
     middle = slice(1500, 2500)
     for axis, sign in enumerate((1, -1)):
-        delay = np.arange(len(h[axis])) @ h[axis] * DT
+        delay = np.arange(len(axes[axis].h)) @ axes[axis].h * DT
         expected = start + sign * (s[middle] + speed * delay)
         assert_allclose(u[middle, axis], expected, atol=1e-5 * speed)
 
@@ -118,8 +118,9 @@ def test_command_is_linear_and_moves_with_the_origin(seed, shift, factor):
     assert_allclose(commanded(compensator, y + factor * z), u + factor * v, atol=1e-8)
 
 
-def test_memory_of_an_endless_stretch_is_bounded():
-    compensator = design("lpfbs", *described("35 Hz", "28 Hz"))
+@pytest.mark.parametrize("method", ["lpfbs", "contour"])
+def test_memory_of_an_endless_stretch_is_bounded(method):
+    compensator = design(method, *described("35 Hz", "28 Hz"))
     stream = compensator.start(np.zeros(2))
     sent = got = 0
     for seed in range(30):
@@ -129,9 +130,10 @@ def test_memory_of_an_endless_stretch_is_bounded():
         assert sent - got <= compensator.preview + compensator.n_up * compensator.basis.L
 
 
-def test_a_stiffer_command_bends_less_four_times():
+@pytest.mark.parametrize("method", ["lpfbs", "robust_fbf", "contour"])
+def test_a_stiffer_command_bends_less_four_times(method):
     y = motion(9, 1500)
-    compensator = design("lpfbs", *described("taz6", "35 Hz"))
+    compensator = design(method, *described("taz6", "35 Hz"))
     bends = []
     while compensator is not None:
         bends.append(np.sqrt(np.mean(np.diff(commanded(compensator, y), 2, axis=0) ** 2)))

@@ -6,11 +6,12 @@ from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
-from control_cases import DT, commanded, described, motion
+from control_cases import DT, answering, commanded, described, motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
+from fbfcli.control.axis_model import exactly
 from fbfcli.control.design import design
 from fbfcli.control.shapers import MAX_DAMPING, impulses
 from fbfcli.errors import ModelError
@@ -70,8 +71,8 @@ def test_mean_delay_is_zero(name):
 @pytest.mark.parametrize("f", [28.0, 35.0, 52.3])
 def test_zv_leaves_no_vibration_of_its_own_plant(f):
     plant = plant_of(ModalModel((Mode(f, 0.05),)), DT, "x")
-    h, found = impulse_response(plant), modes(plant)
-    zv = design("zv", [h], [found], DT)
+    h = impulse_response(plant)
+    zv = design("zv", [exactly(plant.b, plant.a, h, modes(plant))], DT)
     y = np.concatenate((np.zeros(100), np.ones(900)))[:, None] * np.ones(1)
     y = np.cumsum(np.convolve(y[:, 0], np.ones(5) / 5, "same"))[:, None]
     y[950:] = y[950]
@@ -104,5 +105,5 @@ def test_damping_beyond_a_shaper_is_refused():
 
 def test_a_model_without_modes_needs_a_frequency():
     with pytest.raises(ModelError, match="oscillating"):
-        design("zv", [np.ones(1)], [()], DT)
-    assert design("zv", [np.ones(1)], [()], DT, {"frequency": 40.0, "damping": 0.1}).name == "zv"
+        design("zv", [answering(np.ones(1))], DT)
+    assert design("zv", [answering(np.ones(1))], DT, {"frequency": 40.0, "damping": 0.1}).name == "zv"

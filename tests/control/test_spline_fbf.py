@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from control_cases import DT, PLANTS, commanded, described, motion
+from control_cases import DT, PLANTS, answering, commanded, described, motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
@@ -45,20 +45,20 @@ def dense_full_preview(h, y, m, L, mu):
 @pytest.mark.parametrize("name", ["taz6", "hictop", "35 Hz", "45+85 Hz"])
 @pytest.mark.parametrize(("L", "mu", "m"), [(4, 10.0, 5), (6, 1.0, 5), (8, 0.0, 5), (17, 0.0, 5), (6, 10.0, 3)])
 def test_agrees_with_dense_least_squares(name, L, mu, m):
-    h, modes, dt = described(name)
-    compensator = design("fbf", h, modes, dt, {"L": L, "mu": mu, "degree": m})
+    axes, dt = described(name)
+    compensator = design("fbf", axes, dt, {"L": L, "mu": mu, "degree": m})
     for seed, samples in enumerate((150, 231, 402)):
         y = motion(seed, samples, 1)
-        assert_allclose(commanded(compensator, y)[:, 0], dense_full_preview(h[0], y[:, 0], m, L, mu), atol=1e-9)
+        assert_allclose(commanded(compensator, y)[:, 0], dense_full_preview(axes[0].h, y[:, 0], m, L, mu), atol=1e-9)
 
 
 def test_windows_of_a_long_stretch_agree_with_one_piece():
-    h, modes, dt = described("taz6", "28 Hz")
+    axes, dt = described("taz6", "28 Hz")
     y = motion(3, 8000)
-    whole = commanded(design("fbf", h, modes, dt), y)
-    needed = design("fbf", h, modes, dt)
+    whole = commanded(design("fbf", axes, dt), y)
+    needed = design("fbf", axes, dt)
     preview = needed.n_c - needed.n_up
-    windowed = design("fbf", h, modes, dt, {"n_C": preview + 150, "n_up": 150})
+    windowed = design("fbf", axes, dt, {"n_C": preview + 150, "n_up": 150})
     assert_allclose(commanded(windowed, y), whole, atol=1e-9)
     assert_allclose(commanded(windowed, y, [1, 700, 3]), whole, atol=1e-9)
 
@@ -89,11 +89,11 @@ def test_command_is_linear_and_moves_with_the_origin(seed, shift, factor):
 
 def test_error_falls_as_control_points_double():
     y = motion(1, 2000, 1, hold=60)
-    h, modes, dt = described("35 Hz")
+    axes, dt = described("35 Hz")
     plant = PLANTS["35 Hz"]
 
     def error(L):
-        u = commanded(design("fbf", h, modes, dt, {"L": L, "mu": 0.0}), y)[:, 0]
+        u = commanded(design("fbf", axes, dt, {"L": L, "mu": 0.0}), y)[:, 0]
         return np.sqrt(np.mean((lfilter(plant.b, plant.a, u - u[0]) + u[0] - y[:, 0]) ** 2))
 
     errors = [error(L) for L in (32, 16, 8, 4)]
@@ -118,7 +118,7 @@ def test_an_unscaled_model_costs_what_scaling_saves():
     h = impulse_response(plant)
     errors = []
     for scale in (1.0, 1.001):
-        u = commanded(design("fbf", [scale * h], [()], DT, {"L": 6, "mu": 0.0}), y)[:, 0]
+        u = commanded(design("fbf", [answering(scale * h)], DT, {"L": 6, "mu": 0.0}), y)[:, 0]
         errors.append(np.abs(lfilter(plant.b, plant.a, u) - y[:, 0]).max())
     assert errors[1] > errors[0] + 5e-4 * np.abs(y).max()
 
@@ -128,4 +128,4 @@ def test_splines_that_the_plant_hides_are_refused():
     for _ in range(8):  # eightfold zeros at every eighth of the sampling rate
         h = np.convolve(h, np.ones(8) / 8)
     with pytest.raises(ModelError, match="hides"):
-        design("fbf", [h], [()], DT, {"L": 1, "mu": 0.0})
+        design("fbf", [answering(h)], DT, {"L": 1, "mu": 0.0})

@@ -19,8 +19,9 @@ from fbfcli.motion.kinematics import kinematics_of
 from fbfcli.motion.sample import sample
 from fbfcli.motion.timing import executed
 from fbfcli.pipeline import Settings
+from fbfcli.pipeline.choice import chosen
 from fbfcli.pipeline.commander import Commander
-from fbfcli.pipeline.compensate import box_of, compensator_of, plants_of
+from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.steps import StepsSummary, StepStream
 from fbfcli.pipeline.timeline import Event
@@ -159,7 +160,7 @@ def test_uncompensated_it_is_the_firmwares_own_motion(text):
 
 def commands(text: str, wanted: Printer, how: Settings) -> np.ndarray:
     """X and Y of every stretch as `fbf compensate` computes them, one after the other."""
-    commander = Commander(compensator_of(plants_of(wanted, DT), how), box_of(wanted), DT)
+    commander = Commander(Designs(wanted, chosen(wanted, how).method, how), DT)
     reader = Reader(wanted, how)
     rows = []
     for portion in reader.portions(chunks(io.BytesIO(text.encode())), lambda done: None):

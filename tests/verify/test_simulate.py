@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from fbfcli.plant.model import plant_of
+from fbfcli.plant.model import impulse_response, plant_of
 from fbfcli.printer import ModalModel, Mode
 from fbfcli.verify.simulate import REST_SAMPLES, Nozzle
 
@@ -108,3 +108,41 @@ def test_long_rests_are_all_alike(longer):
     rests = [np.array([0, REST_SAMPLES + more]) for more in (0, longer)]
     a, b = (Nozzle(B_A).follow(u, begin, rest) for rest in rests)
     np.testing.assert_array_equal(a, b)
+
+
+@given(SEEDS, sizes, st.integers(0, 6))
+def test_a_long_finite_response_is_the_filter_it_stands_for(seed, sizes, cut):
+    """Transforms against the recursion they replace, in one piece and in two."""
+    u, begin, rest = stretches(seed, sizes)
+    h = [np.append(impulse_response(plant), np.zeros(3)) for plant in PLANTS]
+    expected = Nozzle([(h_i, np.array([1.0, 0.0])) for h_i in h]).follow(u, begin, rest)  # len(a) 2: lfilter
+    nozzle = Nozzle([(h_i, np.ones(1)) for h_i in h])
+    k = min(cut, len(begin) - 1)
+    pieces = [nozzle.follow(u[: begin[k]], begin[:k], rest[:k])] if k else []
+    pieces.append(nozzle.follow(u[begin[k] :], begin[k:] - begin[k], rest[k:]))
+    np.testing.assert_allclose(np.concatenate(pieces), expected, atol=1e-9)
+
+
+@given(SEEDS, sizes, st.integers(0, 6))
+def test_places_of_one_plant_are_one_plant(seed, sizes, cut):
+    """Told of places or not, in one piece and in two."""
+    u, begin, rest = stretches(seed, sizes)
+    place = np.sort(np.random.default_rng(seed).integers(0, 4, len(u)))
+    expected = Nozzle(B_A).follow(u, begin, rest)
+    k = min(cut, len(begin) - 1)
+    nozzle = Nozzle(lambda place: B_A)
+    first = [nozzle.follow(u[: begin[k]], begin[:k], rest[:k], place[: begin[k]])] if k else []
+    last = nozzle.follow(u[begin[k] :], begin[k:] - begin[k], rest[k:], place[begin[k] :])
+    np.testing.assert_allclose(np.concatenate([*first, last]), expected, atol=1e-9)
+
+
+@given(SEEDS)
+def test_at_each_place_the_nozzle_moves_as_the_plant_that_holds_there(seed):
+    """Plants change after 300 samples, and back: each piece is what its plant makes of all of the command."""
+    rng = np.random.default_rng(seed)
+    u = 50.0 + np.cumsum(rng.normal(0, 0.1, (900, 2)), axis=0)
+    other = [(b, a) for b, a in reversed(B_A)]
+    place = np.repeat([0, 1, 0], 300)
+    y = Nozzle(lambda place: other if place else B_A).follow(u, np.array([0]), np.array([0]), place)
+    whole = [Nozzle(each).follow(u, np.array([0]), np.array([0])) for each in (B_A, other)]
+    np.testing.assert_allclose(y, np.where((place == 1)[:, None], whole[1], whole[0]), atol=1e-9)

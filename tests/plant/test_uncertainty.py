@@ -1,0 +1,107 @@
+"""Laws of the family of plants that an axis may be."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import freqz
+
+from fbfcli.errors import ModelError
+from fbfcli.plant.model import impulse_response, modes, plant_of
+from fbfcli.plant.uncertainty import ASSUMED, Members, changed, damped, members
+from fbfcli.printer import Family, FrequencyResponse, ImpulseResponse, ModalModel, Mode, Spread, TransferFunction
+from tests.control.control_cases import MODELS
+
+DT = 1e-3
+ONE = ModalModel((Mode(35.0, 0.05),))
+DELAYED = TransferFunction((0.0, 0.0, 0.0, 0.0, 0.1, 0.1), (1.0, -1.6, 0.8), DT)
+each_model = pytest.mark.parametrize("name", MODELS)
+factors = st.floats(0.7, 1.4)
+
+
+def response(plant, f: np.ndarray) -> np.ndarray:
+    """G at f [Hz], shape (n,)."""
+    return freqz(plant.b, plant.a, 2 * np.pi * f * plant.dt)[1]
+
+
+@given(factors, st.floats(0.5, 2.0), st.floats(20, 90), st.floats(0.02, 0.2))
+def test_a_mode_moves_by_its_factors(q, d, f, zeta):
+    mode = modes(changed(ModalModel((Mode(f, zeta),)), q, d, DT, "x"))[0]
+    assert (mode.frequency, mode.damping) == pytest.approx((q * f, d * zeta), rel=1e-6)
+
+
+@each_model
+@given(q=factors)
+def test_any_model_is_the_same_response_along_a_longer_axis(name, q):
+    f = np.linspace(2.0, 60.0, 30)
+    model = MODELS[name]
+    G, G_q = plant_of(model, DT, "x"), changed(model, q, 1.0, DT, "x")
+    # a discrete plant's samples and holds stay at dt: what they add to the lag grows with frequency and step
+    assert np.abs(np.abs(response(G_q, q * f) / response(G, f)) - 1).max() < 0.04
+    assert G_q.b.sum() / G_q.a.sum() == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("model", [
+    DELAYED, ImpulseResponse(tuple(impulse_response(plant_of(ONE, DT, "x")).tolist()), DT)])  # fmt: skip
+@given(q=factors)
+def test_a_response_is_resampled(model, q):
+    h, h_q = (impulse_response(plant) for plant in (plant_of(model, DT, "x"), changed(model, q, 1.0, DT, "x")))
+    t = np.arange(len(h_q)) * q
+    step = np.interp(t, np.arange(len(h)), np.cumsum(h), right=1.0)
+    assert np.abs(np.cumsum(h_q) - step).max() < 2e-3
+
+
+def test_a_frequency_response_is_moved_too():
+    f = np.arange(0.5, 400.0, 0.5)
+    G = 35.0**2 / (35.0**2 - f**2 + 2j * 0.1 * 35.0 * f)
+    model = FrequencyResponse(tuple(f), tuple(np.abs(G)), tuple(np.angle(G)))
+    peak = modes(changed(model, 1.2, 1.0, DT, "x"))[0]
+    assert (peak.frequency, peak.damping) == pytest.approx((42.0, 0.1), rel=0.03)
+
+
+@each_model
+@given(d=st.floats(0.4, 2.0))
+def test_damping_moves_alone(name, d):
+    plant = plant_of(MODELS[name], DT, "x")
+    before, after = (sorted(modes(p)) for p in (plant, damped(plant, d)))
+    assert [m.frequency for m in after] == pytest.approx([m.frequency for m in before], rel=1e-6)
+    assert [m.damping for m in after] == pytest.approx([d * m.damping for m in before], rel=1e-5)
+    assert impulse_response(damped(plant, d)).sum() == pytest.approx(1.0)
+
+
+@each_model
+def test_a_family_surrounds_its_model(name):
+    family = members(MODELS[name], ASSUMED, DT, "x")
+    middle = len(family.plants) // 2
+    assert len(family.plants) == 7
+    assert family.weights.sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(family.plants[middle].a, plant_of(MODELS[name], DT, "x").a)
+    first, last = (max(m.frequency for m in modes(family.plants[i])) for i in (0, -1))
+    assert last / first == pytest.approx(1.15 / 0.85, rel=1e-6)
+    assert family.mean().sum() == pytest.approx(1.0)
+
+
+def test_a_narrow_family_is_smaller_and_an_exact_one_is_one():
+    assert len(members(ONE, Spread((0.9, 1.1)), DT, "x").plants) == 5
+    assert len(members(ONE, Spread((0.85, 1.15), (0.5, 2.0)), DT, "x").plants) == 7 * 3
+    assert len(members(ONE, Spread(), DT, "x").plants) == 1
+
+
+def test_named_models_keep_their_probabilities():
+    family = members(ONE, Family((ONE, ModalModel((Mode(50.0, 0.1),))), (0.25, 0.75)), DT, "x")
+    np.testing.assert_allclose(family.weights, [0.25, 0.75])
+    assert modes(family.plants[1])[0].frequency == pytest.approx(50.0)
+    mean = 0.25 * impulse_response(family.plants[0])[:100] + 0.75 * impulse_response(family.plants[1])[:100]
+    np.testing.assert_allclose(family.mean()[:100], mean)
+
+
+def test_a_member_that_is_no_plant_is_refused_by_the_name_of_its_axis():
+    with pytest.raises(ModelError, match="axis y"):
+        members(ONE, Family((TransferFunction((1.0,), (1.0, -1.1), DT),), (1.0,)), DT, "y")
+
+
+def test_the_mean_of_one_is_itself():
+    plant = plant_of(ONE, DT, "x")
+    np.testing.assert_array_equal(Members((plant,), np.ones(1)).mean(), impulse_response(plant))
