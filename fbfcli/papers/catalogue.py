@@ -1,0 +1,14 @@
+"""Every item that rests on the papers' equations alone, in the order of the papers; modules are imported on demand."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from fbfcli.papers.item import Item
+
+MODULES: tuple[str, ...] = ()  # in fbfcli.papers; each has ITEMS, a tuple of Item
+
+
+def items() -> tuple[Item, ...]:
+    """All of them."""
+    return tuple(item for name in MODULES for item in import_module(f"fbfcli.papers.{name}").ITEMS)
