@@ -17,6 +17,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from fbfcli.control.compensator import AT_REST, Stream
+from fbfcli.control.fir_stream import FirStream
 from fbfcli.errors import ModelError
 
 V_TOL = 0.05  # vibration an EI shaper leaves at its design frequency
@@ -92,9 +93,9 @@ class Shaper:
         """Samples ahead that a command depends on."""
         return self.lead
 
-    def start(self, y_0: np.ndarray) -> ShaperStream:
+    def start(self, y_0: np.ndarray) -> FirStream:
         """A stretch that rests at y_0, shape (axes,) [mm], before it."""
-        return ShaperStream(self, np.array(y_0, float))
+        return FirStream(self, np.array(y_0, float))
 
     def resume(self, stream: Stream) -> Stream:
         """A copy of a stretch, from where it is."""
@@ -102,32 +103,6 @@ class Shaper:
 
     def stiffer(self) -> None:
         """A shaper has no weight to raise: its command is never rougher than its input."""
-
-
-class ShaperStream:
-    """One stretch of a Shaper: remembers the samples that later commands still hear."""
-
-    def __init__(self, design: Shaper, y_0: np.ndarray):
-        self._design, self._y_0 = design, y_0
-        self._y = np.zeros((design.tail, len(y_0)))
-        self._end = self._y_0  # the last desired position so far
-
-    def push(self, y_d: np.ndarray, weight: np.ndarray, last: bool) -> np.ndarray:
-        """Commands final now, shape (m, axes) [mm]; see Stream.push. Weights are ignored."""
-        lead, tail = self._design.lead, self._design.tail
-        self._end = y_d[-1] if len(y_d) else self._end
-        held = np.tile(self._end - self._y_0, (lead if last else 0, 1))
-        y = np.concatenate((self._y, y_d - self._y_0, held))
-        n = max(0, len(y) - lead - tail)
-        u = np.zeros((n, y.shape[1]))
-        for axis, taps in enumerate(self._design.taps):
-            for j in np.flatnonzero(taps):
-                u[:, axis] += taps[j] * y[lead + tail - j : lead + tail - j + n, axis]
-        self._y = y[n:]
-        u += self._y_0
-        if last and n:
-            u[-1] = self._end
-        return u
 
 
 def shaper(name: str, vibrations: Sequence[tuple[float, float]], dt: float) -> Shaper:
