@@ -36,8 +36,8 @@ class KernelUncertainty:
     def robust_filter(self) -> np.ndarray:
         """G_r, complex, shape (n,), Ramani 2020b Eq. 19: sum alpha_r sum alpha_theta / (sum beta_r sum beta_theta).
 
-        alpha_r = int K r^3 dr, beta_r = int K r^2 dr, alpha_theta = int K dtheta, beta_theta = int K e^(-j theta) dtheta
-        over the bounds: Eq. 11 with dDelta = r dr dtheta, an area of the complex plane.
+        alpha_r = int K r^3 dr, beta_r = int K r^2 dr, alpha_theta = int K dtheta and beta_theta =
+        int K e^(-j theta) dtheta over the bounds: Eq. 11 with dDelta = r dr dtheta, an area of the complex plane.
         """
         (r_0, r_1), (theta_0, theta_1) = self.bounds
         lower, upper = (r_0 - self.r) / self.sigma_r, (r_1 - self.r) / self.sigma_r
@@ -78,9 +78,8 @@ def kernel_uncertainty(G: np.ndarray) -> KernelUncertainty:
     middle = np.angle(np.exp(1j * theta[:, :1]).sum())
     theta -= 2 * np.pi * np.round((theta[:, :1] - middle) / (2 * np.pi))  # one branch for all of them
     narrow = (4 / (3 * len(G))) ** 0.2
-    return KernelUncertainty(
-        r, theta, np.maximum(narrow * _deviation(r), KNOWN * r.max(axis=0)), np.maximum(narrow * _deviation(theta), KNOWN)
-    )
+    sigma_r, sigma_theta = narrow * _deviation(r), narrow * _deviation(theta)
+    return KernelUncertainty(r, theta, np.maximum(sigma_r, KNOWN * r.max(axis=0)), np.maximum(sigma_theta, KNOWN))
 
 
 def _deviation(x: np.ndarray) -> np.ndarray:

@@ -39,12 +39,12 @@ class Regularised:
 def regularised(Phi: np.ndarray, Phi_f: np.ndarray, y_d: np.ndarray, delta: float) -> Regularised:
     """gamma of least worst error for a bound delta on the plant's uncertainty.
 
-    With Phi = Q R and v = R gamma: u = Q v has the norm of v and Phi_f gamma = A v. The singular values s of A = U S V^T
-    and c = U^T y_d leave one equation in alpha: alpha^2 ||v||^2 = delta^2 ||e||^2 with v = s c / (s^2 + alpha).
+    With Phi = Q R and v = R gamma: u = Q v has the norm of v and Phi_f gamma = A v. The singular values s of
+    A = U S V^T and c = U^T y_d leave one equation in alpha: alpha ||v|| = delta ||e|| with v = s c / (s^2 + alpha).
     """
     if delta < 0:
         raise ControlError(f"a bound on uncertainty is not negative: {delta:g}")
-    Q, R = qr(Phi, mode="economic")
+    R = qr(Phi, mode="r")[0][: Phi.shape[1]]
     if np.abs(np.diag(R)).min() < np.finfo(float).eps * max(Phi.shape) * np.abs(R[0, 0]):
         raise ControlError("the basis functions are linearly dependent: take fewer, or orthonormal ones")
     A = solve_triangular(R, Phi_f.T, trans="T").T

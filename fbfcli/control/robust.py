@@ -50,8 +50,8 @@ def worst_case_filter(r: tuple[np.ndarray, np.ndarray], theta: tuple[np.ndarray,
 
     r, theta : (least, largest) magnitude and phase [rad], ndarrays of shape (n,)
 
-    With C = alpha e^(-j theta_mid) and half a range of phase theta_d, |1 - C G|^2 is greatest at phase theta_d and at an
-    end of r: max over r of 1 - 2 alpha r cos(theta_d) + (alpha r)^2. The ends balance where
+    With C = alpha e^(-j theta_mid) and half a range of phase theta_d, |1 - C G|^2 is greatest at phase theta_d and at
+    an end of r: max over r of 1 - 2 alpha r cos(theta_d) + (alpha r)^2. The ends balance where
         alpha (r_min + r_max) = 2 cos(theta_d)
     Infinite (no command at all is best) where the phase is not known to within a quarter turn.
     """
