@@ -50,9 +50,7 @@ class KernelUncertainty:
         j_sigma = 1j * self.sigma_theta
         turned = erf((upper + j_sigma) / np.sqrt(2)) - erf((lower + j_sigma) / np.sqrt(2))
         beta_theta = 0.5 * np.exp(-1j * self.theta - self.sigma_theta**2 / 2) * turned
-        return np.asarray(
-            alpha_r.sum(axis=0) * alpha_theta.sum(axis=0) / (beta_r.sum(axis=0) * beta_theta.sum(axis=0))
-        )
+        return np.asarray(alpha_r.sum(axis=0) * alpha_theta.sum(axis=0) / (beta_r.sum(axis=0) * beta_theta.sum(axis=0)))
 
     def realisations(self, count: int, seed: int) -> np.ndarray:
         """Plants drawn from f(r, theta) within the bounds, complex, shape (count, n).

@@ -6,7 +6,7 @@ from importlib import import_module
 
 from fbfcli.papers.item import Item
 
-MODULES: tuple[str, ...] = ("ramani_2020_ch2", "ramani_2020_ch3", "ramani_2020_ch4")  # in fbfcli.papers; each has ITEMS, a tuple of Item
+MODULES: tuple[str, ...] = ("duan_2015", "duan_2015_points", "ramani_2020_ch2", "ramani_2020_ch3", "ramani_2020_ch4")  # in fbfcli.papers; each has ITEMS, a tuple of Item
 
 
 def items() -> tuple[Item, ...]:
