@@ -17,6 +17,7 @@ from fbfcli.errors import FbfError
 VERBS = {  # module and command in fbfcli.cli, and its help in one line: numpy is not imported to print this
     "compensate": "Change a print so that a vibrating printer follows it.",
     "printers": "List the printers fbf knows, and check profiles.",
+    "reproduce": "Recompute the papers' tables and figures.",
 }
 COMPLETE = "_FBF_COMPLETE"  # what click's completion scripts set
 INTERRUPTED = 130  # 128 + SIGINT

@@ -6,7 +6,15 @@ from importlib import import_module
 
 from fbfcli.papers.item import Item
 
-MODULES: tuple[str, ...] = ("duan_2015", "duan_2015_points", "ramani_2020_ch2", "ramani_2020_ch3", "ramani_2020_ch4")  # in fbfcli.papers; each has ITEMS, a tuple of Item
+MODULES = (  # in fbfcli.papers, in the order of the papers; each has ITEMS, a tuple of Item
+    "duan_2015",
+    "duan_2015_points",
+    "ramani_2018",
+    "ramani_2020_ch2",
+    "ramani_2020_ch3",
+    "ramani_2020_ch4",
+    "ramani_2020_tables_4",
+)
 
 
 def items() -> tuple[Item, ...]:

@@ -104,8 +104,8 @@ def _draw(figure: Figure, swept: Sweep) -> None:
         a_input.semilogy(swept.a, swept.u[name].mean(axis=1), STYLES[name], label=name)
     for axes, label in ((a_e, "(a) $J_e$"), (a_c, "(b) $J_c$")):
         axes.set(ylabel=label)
-    a_error.set(xlabel="zero $a$", ylabel="(c) e_RMS / y_d,RMS", ylim=(1e-3, 1))
-    a_input.set(xlabel="zero $a$", ylabel="(d) u_RMS / y_d,RMS")
+    a_error.set(xlabel="zero $a$", ylabel="(c) $e_{RMS} / y_{d,RMS}$", ylim=(1e-3, 1))
+    a_input.set(xlabel="zero $a$", ylabel="(d) $u_{RMS} / y_{d,RMS}$")
     a_e.set(ylim=(1e-3, 1))
     a_e.legend()
 

@@ -11,10 +11,15 @@ from scipy.signal import lfilter
 
 from fbfcli.control.bases import block_pulses, dct
 from fbfcli.control.bspline import bsplines, normalised_time
+from fbfcli.control.factored_plant import factored
+from fbfcli.control.inversion import truncated_series, zpetc
+from fbfcli.control.two_sided import TwoSided
+from fbfcli.errors import ModelError
 
 M, N, N_1 = 1000, 990, 5
 POLE = 0.5
 DEGREE = 5  # of the splines, Ramani 2020
+NONE_CANCELLED = 2.0  # zero damping: inside the circle too, the zero stays where the methods must deal with it
 BASES = {  # the plant's zero leaves them as they are
     "DCT": lambda: dct(M, N),
     "B-splines": lambda: bsplines(normalised_time(M), N, DEGREE),
@@ -43,26 +48,20 @@ def relative_rms(x: np.ndarray, y_d: np.ndarray) -> np.ndarray:
     return np.linalg.norm(x, axis=0) / np.linalg.norm(y_d, axis=0)
 
 
-def zpetc_error(a: float) -> tuple[np.ndarray, int] | None:
-    """Response and origin of E = (a q^-1 - 2 a + a q) / (1 - a)^2, Eq. 2.28; None at a = 1, where it does not exist."""
-    return None if a == 1 else (a * np.array([1.0, -2.0, 1.0]) / (1 - a) ** 2, 1)
+def lti_error(name: str, a: float) -> TwoSided | None:
+    """E of ZPETC or TS as `inversion` builds it; None where the method does not exist."""
+    G = factored(np.array([1.0, -a]), np.array([1.0, -POLE]), NONE_CANCELLED)
+    try:
+        return (zpetc(G) if name == "ZPETC" else truncated_series(G, N_1)).L.error()
+    except ModelError:
+        return None
 
 
 def zpetc_metric(a: float) -> float:
-    """J_e, Eq. 2.28."""
+    """J_e of ZPETC, Eq. 2.28."""
     return float(np.sqrt(6 - 2 / (M + 1)) * abs(a) / (1 - a) ** 2)
 
 
-def series_error(a: float) -> tuple[np.ndarray, int] | None:
-    """Response and origin of E = a^-n1 q^n1 (or a^n1 q^-n1 inside the circle), Eq. 2.29; None for |a| = 1."""
-    if abs(a) == 1:
-        return None
-    pulse = np.eye(1, N_1 + 1)[0]
-    if abs(a) > 1:
-        return pulse * a**-N_1, N_1
-    return pulse[::-1] * a**N_1, 0
-
-
 def series_metric(a: float) -> float:
-    """J_e, Eq. 2.29."""
+    """J_e of TS, Eq. 2.29."""
     return float(np.sqrt(1 - N_1 / (M + 1)) * (abs(a) ** -N_1 if abs(a) > 1 else abs(a) ** N_1))
