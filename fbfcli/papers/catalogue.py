@@ -12,6 +12,8 @@ MODULES = (  # in fbfcli.papers, in the order of the papers; each has ITEMS, a t
     "ramani_2018",
     "ramani_2020_ch2",
     "ramani_2020_ch3",
+    "versatility",
+    "ramani_2020_stages",
     "ramani_2020_ch4",
     "ramani_2020_tables_4",
 )
