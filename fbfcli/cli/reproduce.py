@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fbfcli.cli.files import DASH, replacing, saying
+import fbfcli
+from fbfcli.cli.files import DASH, reading, replacing, saying
+from fbfcli.cli.lookup import find_printer
 from fbfcli.cli.options import json_option, quiet_option
 from fbfcli.cli.telling import fraction_bar, tell_json
 from fbfcli.errors import FbfError
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
     from fbfcli.papers.listing import Reproduced
 
 FOLDER = "reproduced"
+STUDIED = "hictop_prusa_i3"  # the printer of Ramani 2018
+SAMPLE = Path(fbfcli.__file__).parents[1] / "sample_gcode" / "star.gcode"
 SIZE_IN = (8.0, 5.0)
 DPI = 120
 CAPTION_PT = 8
@@ -33,6 +37,7 @@ CHARACTERS_PER_IN = 15  # of a caption in that size
 @click.option("--quick", is_flag=True, help="Reproduce the items that take seconds: a minute of CPU time together.")
 @click.option("-o", "--output", default=FOLDER, show_default=True, metavar="FOLDER", help="Where figures go, as PNG.")
 @click.option("--seeds", type=click.IntRange(1, 1000), default=20, show_default=True, help="Random draws of a mean.")
+@click.option("--part", metavar="FILE", help="G-code for ramani-2018-table-1. [default: a sample of the source tree]")
 @click.option("--markdown", "markdown_to", metavar="FILE", help="Write the tables as Markdown; - is standard output.")
 @json_option
 @quiet_option
@@ -42,6 +47,7 @@ def reproduce(
     quick: bool,
     output: str,
     seeds: int,
+    part: str | None,
     markdown_to: str | None,
     json_to: str | None,
     quiet: bool,
@@ -64,7 +70,7 @@ def reproduce(
         raise click.UsageError("take NAMEs, --quick or --all, not two of them")
     if json_to == DASH and markdown_to == DASH:
         raise click.UsageError("--json and --markdown both go to standard output: give one of them a file")
-    items = _items()
+    items = _items(part)
     if not (names or everything or quick):
         if json_to:
             tell_json(json_to, as_catalogue(items))
@@ -89,10 +95,18 @@ def reproduce(
         raise FbfError(f"{count} {'number differs from what it is' if count == 1 else 'numbers differ from what they are'} held to")
 
 
-def _items() -> list[Item]:
+def _items(part: str | None) -> list[Item]:
     from fbfcli.papers import catalogue
+    from fbfcli.pipeline import acceleration_study
 
-    return [*catalogue.items()]
+    file = part or str(SAMPLE)
+    study = acceleration_study.item(lambda: _text(file), lambda: find_printer(STUDIED))
+    return [*catalogue.items(), study] if part or SAMPLE.is_file() else [*catalogue.items()]
+
+
+def _text(file: str) -> bytes:
+    with reading(file) as source:
+        return source.read()
 
 
 def _named(names: Sequence[str], items: Sequence[Item]) -> list[Item]:

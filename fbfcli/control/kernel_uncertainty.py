@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import erf, ndtri
 
 MAD_TO_SIGMA = 0.6744897501960817  # median absolute deviation of a normal distribution with sigma 1
-KNOWN = 1e-9  # kernels narrower than this part of the magnitude (or this many radians) are as wide as this
+KNOWN = 1e-9  # of the magnitude, or radians: kernels and bounds are no narrower, though all responses may agree
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,10 @@ class KernelUncertainty:
 
     @property
     def bounds(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-        """Least and largest magnitude and phase measured, Ramani 2020b Eq. 17."""
-        return (self.r.min(axis=0), self.r.max(axis=0)), (self.theta.min(axis=0), self.theta.max(axis=0))
+        """Least and largest magnitude and phase measured, Ramani 2020b Eq. 17; never the same."""
+        known = KNOWN * self.r.max(axis=0)
+        r = self.r.min(axis=0) - known, self.r.max(axis=0) + known
+        return r, (self.theta.min(axis=0) - KNOWN, self.theta.max(axis=0) + KNOWN)
 
     def robust_filter(self) -> np.ndarray:
         """G_r, complex, shape (n,), Ramani 2020b Eq. 19: sum alpha_r sum alpha_theta / (sum beta_r sum beta_theta).

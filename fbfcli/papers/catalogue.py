@@ -16,6 +16,8 @@ MODULES = (  # in fbfcli.papers, in the order of the papers; each has ITEMS, a t
     "ramani_2020_stages",
     "ramani_2020_ch4",
     "ramani_2020_tables_4",
+    "ramani_2020b",
+    "ramani_2020b_printer",
 )
 
 
