@@ -72,7 +72,7 @@ def _as_predicted(name: str, a: np.ndarray, mean: np.ndarray) -> Row:
 
 
 def _metrics(seeds: int, progress: Progress) -> Result:
-    a = np.unique(np.append(zeros(0.5), [-1.1, 1.02, 1.1]))
+    a = np.unique(np.append(zeros(1.0), [-1.1, 1.02, 1.1]))
     bases = {name: make() for name, make in BASES.items()}
     found: Curves = {name: np.full(len(a), np.nan) for name in (*bases, *LTI)}
     for k, zero in enumerate(a):

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PAPER = "Ramani 2020"
+FINE, COARSE, BENDS = 0.02, 0.1, 1.5  # steps of a, and where |a| changes from one to the other
 NAMES = ("DCT", "B-splines", "CE-Opt")
 STYLES = {"DCT": "-", "B-splines": "--", "CE-Opt": "-"}
 
@@ -35,19 +36,30 @@ def _controllers(a: float, bases: dict[str, np.ndarray]) -> dict[str, Controller
 class Sweep:
     """What each basis does at each zero.
 
-    a   : ndarray, shape (k,)
-    J_c : per basis, shape (k,)               control effort, Eq. 3.4
-    e, u: per basis, shape (k, seeds)         e_RMS and u_RMS over y_d,RMS
+    a       : ndarray, shape (k,)
+    weights : ndarray, shape (k,)         of a mean over a, sum 1
+    J_c     : per basis, shape (k,)       control effort, Eq. 3.4
+    e, u    : per basis, shape (k, seeds) e_RMS and u_RMS over y_d,RMS
     """
 
     a: np.ndarray
+    weights: np.ndarray
     J_c: dict[str, np.ndarray]
     e: dict[str, np.ndarray]
     u: dict[str, np.ndarray]
 
 
-def _swept(step: float, seeds: int, progress: Progress) -> Sweep:
-    a, y_d = zeros(step), noise(seeds)
+def _graded() -> tuple[np.ndarray, np.ndarray]:
+    """Zeros in steps of 0.02 where the curves bend, 0.1 elsewhere, and the weights of a mean over steps of 0.02."""
+    fine, coarse = zeros(FINE), zeros(COARSE)
+    a = np.concatenate((fine[np.abs(fine) <= BENDS], coarse[np.abs(coarse) > BENDS + COARSE / 2]))
+    a.sort()
+    edges = np.concatenate((a[:1] - FINE / 2, (a[1:] + a[:-1]) / 2, a[-1:] + FINE / 2))
+    return a, np.diff(edges) / (edges[-1] - edges[0])
+
+
+def _swept(seeds: int, progress: Progress) -> Sweep:
+    (a, weights), y_d = _graded(), noise(seeds)
     bases = {name: BASES[name]() for name in ("DCT", "B-splines")}
     J_c = {name: np.empty(len(a)) for name in NAMES}
     e, u = ({name: np.empty((len(a), seeds)) for name in NAMES} for _ in range(2))
@@ -57,13 +69,12 @@ def _swept(step: float, seeds: int, progress: Progress) -> Sweep:
             e[name][k] = relative_rms(y_d - controller.output(y_d), y_d)
             u[name][k] = relative_rms(controller.command(y_d), y_d)
         progress((k + 1) / len(a))
-    return Sweep(a, J_c, e, u)
+    return Sweep(a, weights, J_c, e, u)
 
 
 def _table_3_1(seeds: int, progress: Progress) -> Result:
-    swept = _swept(0.02, seeds, progress)
+    swept = _swept(seeds, progress)
     rows = [
-        near("CE-Opt: mean J_c over a = -5:0.02:5", None, float(swept.J_c["CE-Opt"].mean()), 0.7349, 1e-3),
         *(_error_row(name, paper, swept) for name, paper in zip(NAMES, ("7.83e-2", "8.14e-2", "8.28e-2"), strict=True)),
         _effort_row("DCT", "2.76e1", swept, 6.5, 252),
         _effort_row("B-splines", "1.02e5", swept, 5.8e4, 1.1e6),
@@ -83,13 +94,13 @@ INDEPENDENT = {"DCT": (0.097, 0.02), "B-splines": (0.108, 0.02), "CE-Opt": (0.09
 def _error_row(name: str, paper: str, swept: Sweep) -> Row:
     """The mean over a of e, a mean over draws within its spread."""
     mean, sd = INDEPENDENT[name]
-    draws = swept.e[name].mean(axis=0)
+    draws = swept.weights @ swept.e[name]
     what = f"Table 3.1, {name}: mean e_RMS/y_d,RMS"
     return between(what, paper, float(draws.mean()), mean - sd, mean + sd, f"sd over draws {draws.std():.3f}")
 
 
 def _effort_row(name: str, paper: str, swept: Sweep, low: float, high: float) -> Row:
-    draws = swept.u[name].mean(axis=0)
+    draws = swept.weights @ swept.u[name]
     note = f"draws {draws.min():.3g} .. {draws.max():.3g}"
     return between(f"Table 3.1, {name}: mean u_RMS/y_d,RMS", paper, float(draws.mean()), low, high, note)
 
@@ -108,6 +119,23 @@ def _draw(figure: Figure, swept: Sweep) -> None:
     a_input.set(xlabel="zero $a$", ylabel="(d) $u_{RMS} / y_{d,RMS}$")
     a_e.set(ylim=(1e-3, 1))
     a_e.legend()
+
+
+def _least_efforts(seeds: int, progress: Progress) -> Result:
+    a = zeros(FINE)
+    J_c = np.empty(len(a))
+    for k, zero in enumerate(a):
+        J_c[k] = least_effort(svdvals(_plant(zero)), N)
+        progress((k + 1) / len(a))
+    caption = f"Least control effort J_c (Eq. 3.4, 3.23) of any {N + 1} functions for zeros a: CE-Opt's; M = {M} (Fig. 3.2b)."
+
+    def draw(figure: Figure) -> None:
+        axes = figure.subplots()
+        axes.semilogy(a, J_c, label="CE-Opt")
+        axes.set(xlabel="zero $a$", ylabel="$J_c$")
+        axes.legend()
+
+    return Result((near("CE-Opt: mean J_c over a = -5:0.02:5", None, float(J_c.mean()), 0.7349, 1e-3),), draw, caption)
 
 
 def _one_zero(seeds: int, progress: Progress) -> Result:
@@ -139,5 +167,6 @@ def _error_metric(bases: dict[str, np.ndarray], a: float) -> float:
 
 ITEMS = (
     Item("ramani-2020-sec-3.2", "What the basis costs at a = 1.02", PAPER, "Eq. 3.4, 3.22, 3.23", True, _one_zero),
+    Item("ramani-2020-fig-3.2", "Least control effort against the zero's place", PAPER, "Eq. 3.4, 3.23", False, _least_efforts),
     Item("ramani-2020-table-3.1", "Table 3.1 and Figs 3.1-3.3: effort of three bases", PAPER, "Eq. 2.18, 3.4, 3.22", False, _table_3_1),
 )
