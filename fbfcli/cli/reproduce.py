@@ -70,6 +70,7 @@ def reproduce(
         raise click.UsageError("take NAMEs, --quick or --all, not two of them")
     if json_to == DASH and markdown_to == DASH:
         raise click.UsageError("--json and --markdown both go to standard output: give one of them a file")
+    _writable(output, json_to, markdown_to)
     items = _items(part)
     if not (names or everything or quick):
         if json_to:
@@ -93,6 +94,15 @@ def reproduce(
         click.echo(", ".join(f"{count} {verdict}" for verdict, count in counted(done).items()), err=True)
     if count := differing(done):
         raise FbfError(f"{count} {'number differs from what it is' if count == 1 else 'numbers differ from what they are'} held to")
+
+
+def _writable(folder: str, *files: str | None) -> None:
+    """Refuse before the work, not after it, what could not be written."""
+    if Path(folder).exists() and not Path(folder).is_dir():
+        raise FbfError(f"{folder}: is not a folder; figures go to one (-o)")
+    for name in files:
+        if name and not Path(name).absolute().parent.is_dir():
+            raise FbfError(f"{name}: there is no folder {Path(name).parent}")
 
 
 def _items(part: str | None) -> list[Item]:
