@@ -18,7 +18,14 @@ ABSENT = not_reproducible("a third", "7", "measured on hardware")
 
 
 def item(name: str, *rows, figure=None) -> Item:
-    return Item(name, "A title", "Paper 2000", "Eq. 1", name.endswith("1"), lambda seeds, progress: Result(rows, figure, "Eq. 1"))
+    return Item(
+        name,
+        "A title",
+        "Paper 2000",
+        "Eq. 1",
+        name.endswith("1"),
+        lambda seeds, progress: Result(rows, figure, "Eq. 1"),
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -84,7 +91,9 @@ def test_a_typing_error_is_one_clear_line(capsys):
     assert "did you mean 'paper-fig-1'" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("words", [["x", "--all"], ["--all", "--quick"], ["--all", "--json", "-", "--markdown", "-"], ["--seeds", "0"]])
+@pytest.mark.parametrize(
+    "words", [["x", "--all"], ["--all", "--quick"], ["--all", "--json", "-", "--markdown", "-"], ["--seeds", "0"]]
+)
 def test_contradictions_are_refused(words):
     assert run(["reproduce", *words]) == 2
 

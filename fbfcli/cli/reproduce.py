@@ -93,7 +93,8 @@ def reproduce(
     if not quiet:
         click.echo(", ".join(f"{count} {verdict}" for verdict, count in counted(done).items()), err=True)
     if count := differing(done):
-        raise FbfError(f"{count} {'number differs from what it is' if count == 1 else 'numbers differ from what they are'} held to")
+        words = "number differs from what it is" if count == 1 else "numbers differ from what they are"
+        raise FbfError(f"{count} {words} held to")
 
 
 def _writable(folder: str, *files: str | None) -> None:

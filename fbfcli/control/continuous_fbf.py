@@ -1,10 +1,10 @@
 """Filtered basis functions in continuous time: Duan 2015 Eq. 40, by orthonormalising functions instead of vectors.
 
     min over gamma of  int_0^T (y_d(t) - sum_i gamma_i u~_i(t))^2 dt,      u~_i = g * u_i from rest
-u_i clamped splines of degree m on normalised time t / T, plant x' = A x + B u, y = C x + D u. Between two knots a spline
-is a polynomial, and the state that it drives is a matrix exponential: nothing is sampled. Integrals are Gauss-Legendre
-sums on each of the spans between the knots, which are exact for the splines; the plant's own modes must be well resolved
-by `points` of them per span.
+u_i clamped splines of degree m on normalised time t / T, plant x' = A x + B u, y = C x + D u. Between two knots a
+spline is a polynomial, and the state that it drives is a matrix exponential: nothing is sampled. Integrals are
+Gauss-Legendre sums on each of the spans between the knots, which are exact for the splines; the plant's own modes must
+be well resolved by `points` of them per span.
 """
 
 from __future__ import annotations
@@ -82,7 +82,10 @@ def continuous_basis(plant: StateSpace, T: float, n: int, m: int, points: int = 
 
 
 def gram_schmidt(y: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Psi orthonormal under sum_k weights_k f g, Omega upper triangular, y = Psi Omega. Projected twice: once is not enough."""
+    """Psi orthonormal under sum_k weights_k f g, Omega upper triangular, y = Psi Omega.
+
+    Projected twice: what one projection leaves is not orthogonal to working precision.
+    """
     size = y.shape[1]
     Psi, Omega = np.zeros_like(y), np.zeros((size, size))
     for i in range(size):

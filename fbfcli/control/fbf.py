@@ -113,15 +113,15 @@ def filtered_from_rest(b: np.ndarray, a: np.ndarray, Phi: np.ndarray) -> np.ndar
     return lfilter(b, a, Phi, axis=0, zi=zi)[0]
 
 
-def depends(Phi: np.ndarray, X: np.ndarray, G: np.ndarray, O: np.ndarray) -> bool:
+def depends(Phi: np.ndarray, X: np.ndarray, G: np.ndarray, Gamma: np.ndarray) -> bool:
     """Whether filtered basis functions are linearly dependent: the rank test of Ramani 2020 Eq. 2.17, App. C.
 
-    Phi : ndarray, shape (inputs, n + 1)    basis
-    X   : ndarray, shape (states, n + 1)    initial state that each function is filtered from
-    G   : ndarray, shape (outputs, inputs)  lifted plant
-    O   : ndarray, shape (outputs, states)  output of an initial state, `lifted.observability`
+    Phi   : ndarray, shape (inputs, n + 1)   basis
+    X     : ndarray, shape (states, n + 1)   initial state that each function is filtered from
+    G     : ndarray, shape (outputs, inputs) lifted plant
+    Gamma : ndarray, shape (outputs, states) output of an initial state, `lifted.observability`
     """
-    silent = null_space(np.hstack((G, O)))  # inputs and initial states whose output is zero
+    silent = null_space(np.hstack((G, Gamma)))  # inputs and initial states whose output is zero
     basis = np.vstack((Phi, X))
     together = np.linalg.matrix_rank(np.hstack((basis, silent)))
     return bool(together < np.linalg.matrix_rank(basis) + silent.shape[1])

@@ -65,7 +65,7 @@ class Family:
 def family(G: np.ndarray, weights: np.ndarray) -> Family:
     """Of any lifted plants (varying, several channels), G (J, outputs, inputs)."""
     if len(G) != len(weights) or not np.isclose(weights.sum(), 1):
-        raise ControlError(f"{len(G)} plants need as many weights with sum 1, not {len(weights)} with {weights.sum():g}")
+        raise ControlError(f"{len(G)} plants need as many weights, sum 1, not {len(weights)} with {weights.sum():g}")
     return Family(np.tensordot(weights, G, 1), sum(w * each.T @ each for w, each in zip(weights, G, strict=True)))
 
 

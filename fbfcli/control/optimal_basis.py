@@ -1,4 +1,4 @@
-"""Bases that are best for one plant: least control effort (CE-Opt), least effect of a known uncertainty, and their size.
+"""Bases that are best for one plant: least effort (CE-Opt), least effect of a known uncertainty, and their size.
 
 G = V Sigma W^T lifted plant, M + 1 samples, n + 1 functions, r smallest singular values kept out of the command,
 J_e accuracy of n + 1 functions of any kind, Delta^T Delta spread of the family about the nominal plant.
@@ -94,5 +94,5 @@ def robust_basis(G_nom: np.ndarray, Delta: np.ndarray, r: int) -> RobustBasis:
 
 
 def _fits(G: np.ndarray, n: int, r: int) -> None:
-    if not (0 <= r and 0 <= n < min(G.shape) - r):
+    if r < 0 or n < 0 or n >= min(G.shape) - r:
         raise ControlError(f"{n + 1} functions of a lifted plant {G.shape} without its {r} smallest singular values")

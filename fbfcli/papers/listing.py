@@ -38,7 +38,13 @@ def as_text(done: Reproduced) -> str:
     lines = [f"{item.name}: {item.title} ({item.paper}, {item.equations}), {done.seconds:.1f} s"]
     table = [("", "paper", "ours", "held to", "")]
     table += [
-        (row.verdict, _shown(row.paper), _shown(row.ours), row.tolerance, row.what + (f" ({row.note})" if row.note else ""))
+        (
+            row.verdict,
+            _shown(row.paper),
+            _shown(row.ours),
+            row.tolerance,
+            row.what + (f" ({row.note})" if row.note else ""),
+        )
         for row in done.result.rows
     ]
     widths = [max(map(len, column)) for column in list(zip(*table, strict=True))[:-1]]
@@ -77,7 +83,7 @@ def as_figures(done: Sequence[Reproduced]) -> dict[str, object]:
             }
             for each in done
         ]
-    } | {verdict: count for verdict, count in counted(done).items()}
+    } | dict(counted(done))
 
 
 def as_catalogue(items: Sequence[Item]) -> dict[str, object]:
@@ -86,7 +92,13 @@ def as_catalogue(items: Sequence[Item]) -> dict[str, object]:
 
 
 def _described(item: Item) -> dict[str, object]:
-    return {"name": item.name, "title": item.title, "paper": item.paper, "equations": item.equations, "quick": item.quick}
+    return {
+        "name": item.name,
+        "title": item.title,
+        "paper": item.paper,
+        "equations": item.equations,
+        "quick": item.quick,
+    }
 
 
 def counted(done: Sequence[Reproduced]) -> dict[str, int]:

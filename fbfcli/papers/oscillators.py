@@ -26,7 +26,7 @@ NOMINALS = ("standard", "proposed")
 
 
 def oscillator(frequency: np.ndarray, zeta: np.ndarray) -> np.ndarray:
-    """Markov parameters of oscillators [Hz, 1] behind a zero-order hold, shape (J, M + 1): steps of the step response."""
+    """Markov parameters behind a zero-order hold, frequency [Hz], shape (J, M + 1): steps of the step response."""
     w = 2 * np.pi * frequency[:, None]
     damped = np.sqrt(1 - zeta[:, None] ** 2)
     t = DT * np.arange(M + 1)

@@ -16,9 +16,9 @@ from fbfcli.papers.zero_sweep import (
     M,
     N,
     filtered,
+    lti_error,
     noise,
     relative_rms,
-    lti_error,
     series_metric,
     zeros,
     zpetc_metric,
@@ -60,7 +60,9 @@ def _consistent(name: str, mean: np.ndarray, found: np.ndarray) -> Row:
     """FBF's error has no trend in a: its whole sweep stays within a quarter of its mean."""
     spread = mean.max() / mean.min()
     note = f"mean {mean.mean():.4f}, sd over draws {found.mean(axis=0).std():.4f}"
-    return judged(spread < 1.25, f"{name}: largest e_RMS over smallest, a = -5..5", "consistent", spread, "< 1.25", note)
+    return judged(
+        spread < 1.25, f"{name}: largest e_RMS over smallest, a = -5..5", "consistent", spread, "< 1.25", note
+    )
 
 
 def _as_predicted(name: str, a: np.ndarray, mean: np.ndarray) -> Row:
@@ -132,15 +134,15 @@ def _rank_test(seeds: int, progress: Progress) -> Result:
     K = (1 - p) / (1 - a)
     A, C = np.array([[p]]), np.array([[K * (p - a)]])  # B = 1, D = K
     G = causal(markov(K * np.array([1.0, -a]), np.array([1.0, -p]), last))
-    O = observability(A, C, last)
+    Gamma = observability(A, C, last)
     cases = ((50, 0.0, False), (100, 0.0, True), (100, 1e-3, False))
     rows = []
     for n, state, paper in cases:
         Phi = dct(last, n)
-        ours = depends(Phi, np.full((1, n + 1), state), G, O)
+        ours = depends(Phi, np.full((1, n + 1), state), G, Gamma)
         what = f"filtered DCT with n = {n}, initial states {state:g}: dependent"
         rows.append(judged(ours == paper, what, str(paper), str(ours), "exact"))
-    Phi_f = G @ dct(last, last) + O @ np.full((1, last + 1), 1e-3)
+    Phi_f = G @ dct(last, last) + Gamma @ np.full((1, last + 1), 1e-3)
     y_d = np.sign(np.random.default_rng(0).standard_normal(last + 1))
     e = y_d - Phi_f @ coefficients(Phi_f, y_d)
     perfect = "RMS error of a binary trajectory, n = 100 from 1e-3"
@@ -151,7 +153,14 @@ def _rank_test(seeds: int, progress: Progress) -> Result:
 
 
 ITEMS = (
-    Item("ramani-2020-fig-2.3", "Tracking error against the zero's place", PAPER, "Eq. 2.10, 2.28, 2.29", False, _error_norms),
+    Item(
+        "ramani-2020-fig-2.3",
+        "Tracking error against the zero's place",
+        PAPER,
+        "Eq. 2.10, 2.28, 2.29",
+        False,
+        _error_norms,
+    ),
     Item("ramani-2020-fig-2.4", "J_e against the zero's place", PAPER, "Eq. 2.18, 2.21, 2.28, 2.29", True, _metrics),
     Item("ramani-2020-app-c", "Rank test for unique coefficients", PAPER, "Eq. 2.17, C.1-C.5", True, _rank_test),
 )

@@ -127,7 +127,9 @@ def _least_efforts(seeds: int, progress: Progress) -> Result:
     for k, zero in enumerate(a):
         J_c[k] = least_effort(svdvals(_plant(zero)), N)
         progress((k + 1) / len(a))
-    caption = f"Least control effort J_c (Eq. 3.4, 3.23) of any {N + 1} functions for zeros a: CE-Opt's; M = {M} (Fig. 3.2b)."
+    caption = (
+        f"Least control effort J_c (Eq. 3.4, 3.23) of any {N + 1} functions for zeros a: CE-Opt's; M = {M} (Fig. 3.2b)."
+    )
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
@@ -150,9 +152,17 @@ def _one_zero(seeds: int, progress: Progress) -> Result:
     e = {name: relative_rms(y_d - each.output(y_d), y_d) for name, each in found.items()}
     alike = max(e["DCT"].mean(), e["B-splines"].mean()) / min(e["DCT"].mean(), e["B-splines"].mean())
     rows = (
-        close("a = 1.02: J_c of B-splines over DCT", "11800 (u of one draw)", J_c["B-splines"] / J_c["DCT"], 9548.6, 1e-3),
-        between("a = 1.02: u_RMS of B-splines over DCT, median of draws", "11800", float(np.median(draws)), 11800 / 3, 11800 * 3,
-                f"draws {draws.min():.3g} .. {draws.max():.3g}"),
+        close(
+            "a = 1.02: J_c of B-splines over DCT", "11800 (u of one draw)", J_c["B-splines"] / J_c["DCT"], 9548.6, 1e-3
+        ),
+        between(
+            "a = 1.02: u_RMS of B-splines over DCT, median of draws",
+            "11800",
+            float(np.median(draws)),
+            11800 / 3,
+            11800 * 3,
+            f"draws {draws.min():.3g} .. {draws.max():.3g}",
+        ),
         judged(alike < 1.5, "a = 1.02: larger over smaller e_RMS of the two", "similar", float(alike), "< 1.5"),
         close("a = 1.02: J_c of CE-Opt against Eq. 3.23", "formula", J_c["CE-Opt"], least_effort(sigma, N), 1e-9),
         close("a = 1.02: J_e of CE-Opt", "0.09995", _error_metric(bases, a), np.sqrt(1 - 991 / 1001), 1e-9),
@@ -167,6 +177,20 @@ def _error_metric(bases: dict[str, np.ndarray], a: float) -> float:
 
 ITEMS = (
     Item("ramani-2020-sec-3.2", "What the basis costs at a = 1.02", PAPER, "Eq. 3.4, 3.22, 3.23", True, _one_zero),
-    Item("ramani-2020-fig-3.2", "Least control effort against the zero's place", PAPER, "Eq. 3.4, 3.23", False, _least_efforts),
-    Item("ramani-2020-table-3.1", "Table 3.1 and Figs 3.1-3.3: effort of three bases", PAPER, "Eq. 2.18, 3.4, 3.22", False, _table_3_1),
+    Item(
+        "ramani-2020-fig-3.2",
+        "Least control effort against the zero's place",
+        PAPER,
+        "Eq. 3.4, 3.23",
+        False,
+        _least_efforts,
+    ),
+    Item(
+        "ramani-2020-table-3.1",
+        "Table 3.1 and Figs 3.1-3.3: effort of three bases",
+        PAPER,
+        "Eq. 2.18, 3.4, 3.22",
+        False,
+        _table_3_1,
+    ),
 )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fbfcli.papers.item import Item, Progress, Result, Row, close, judged, near
+from fbfcli.papers.item import Item, Progress, Result, close, judged, near
 from fbfcli.papers.oscillators import NAMES, NOMINALS, SIZES, M, nominal, plants
 
 if TYPE_CHECKING:
@@ -22,17 +22,24 @@ def _fig_4_3(seeds: int, progress: Progress) -> Result:
         judged(robust.best_size() == 891, "n* from the singular values below 1", "891", robust.best_size(), "exact"),
         judged(int(np.argmin(metrics)) == 891, "n of least J_e,r", "891", int(np.argmin(metrics)), "exact"),
     )
-    return Result(rows, lambda figure: _singular_values(figure, robust.sigma), _caption("standard nominal model (Eq. 4.1)"))
+    return Result(
+        rows, lambda figure: _singular_values(figure, robust.sigma), _caption("standard nominal model (Eq. 4.1)")
+    )
 
 
 def _fig_4_4(seeds: int, progress: Progress) -> Result:
     robust = nominal("proposed").robust
     rows = (near("largest singular value", "0.9748", float(robust.sigma[-1]), 0.9748, 1e-4),)
-    return Result(rows, lambda figure: _singular_values(figure, robust.sigma), _caption("optimal nominal model (Eq. 4.28)"))
+    return Result(
+        rows, lambda figure: _singular_values(figure, robust.sigma), _caption("optimal nominal model (Eq. 4.28)")
+    )
 
 
 def _caption(model: str) -> str:
-    return f"Singular values of the normalised spread Delta_nom,s (Eq. 4.11) with the {model}; M = {M}, r = 1. Below 1 a function is worth having (Remark 4.5)."
+    return (
+        f"Singular values of the normalised spread Delta_nom,s (Eq. 4.11) with the {model}; M = {M}, r = 1. "
+        "Below 1 a function is worth having (Remark 4.5)."
+    )
 
 
 def _singular_values(figure: Figure, sigma: np.ndarray) -> None:
@@ -59,7 +66,13 @@ def _metrics(seeds: int, progress: Progress) -> Result:
                 curves[name, which] = family.nested_metrics(model.nested[name])[SIZES]
         progress((k + 1) / len(NOMINALS))
     rows = tuple(
-        near(f"{name}, {which} nominal model: mean J_e,r, n = 10:10:990", None, float(curves[name, which].mean()), MEANS[name][k], 1e-3)
+        near(
+            f"{name}, {which} nominal model: mean J_e,r, n = 10:10:990",
+            None,
+            float(curves[name, which].mean()),
+            MEANS[name][k],
+            1e-3,
+        )
         for k, which in enumerate(NOMINALS)
         for name in NAMES
     )
@@ -81,7 +94,12 @@ def _against_size(figure: Figure, curves: dict[tuple[str, str], np.ndarray], lab
 
 
 def _efforts(seeds: int, progress: Progress) -> Result:
-    expected = {("CE-Opt", "standard"): 12.187, ("CE-Opt", "proposed"): 9.2765, ("robust", "standard"): 27.53, ("robust", "proposed"): 11.142}
+    expected = {
+        ("CE-Opt", "standard"): 12.187,
+        ("CE-Opt", "proposed"): 9.2765,
+        ("robust", "standard"): 27.53,
+        ("robust", "proposed"): 11.142,
+    }
     rows = []
     for (name, which), J_c in expected.items():
         Psi = nominal(which).controller(name, 990).Psi
@@ -91,8 +109,36 @@ def _efforts(seeds: int, progress: Progress) -> Result:
 
 
 ITEMS = (
-    Item("ramani-2020-fig-4.3", "Singular values of the spread, standard nominal model", PAPER, "Eq. 4.11, 4.25", True, _fig_4_3),
-    Item("ramani-2020-fig-4.4", "Singular values of the spread, optimal nominal model", PAPER, "Eq. 4.11, 4.28", True, _fig_4_4),
-    Item("ramani-2020-eq-4.2", "J_e,r of eight controllers against their size", PAPER, "Eq. 4.2, 4.22, 4.28", False, _metrics),
-    Item("ramani-2020-eq-3.4-robust", "Control effort J_c of the chapter's controllers", PAPER, "Eq. 3.4, 4.22, 4.28", True, _efforts),
+    Item(
+        "ramani-2020-fig-4.3",
+        "Singular values of the spread, standard nominal model",
+        PAPER,
+        "Eq. 4.11, 4.25",
+        True,
+        _fig_4_3,
+    ),
+    Item(
+        "ramani-2020-fig-4.4",
+        "Singular values of the spread, optimal nominal model",
+        PAPER,
+        "Eq. 4.11, 4.28",
+        True,
+        _fig_4_4,
+    ),
+    Item(
+        "ramani-2020-eq-4.2",
+        "J_e,r of eight controllers against their size",
+        PAPER,
+        "Eq. 4.2, 4.22, 4.28",
+        False,
+        _metrics,
+    ),
+    Item(
+        "ramani-2020-eq-3.4-robust",
+        "Control effort J_c of the chapter's controllers",
+        PAPER,
+        "Eq. 3.4, 4.22, 4.28",
+        True,
+        _efforts,
+    ),
 )

@@ -90,7 +90,11 @@ def _run(G: np.ndarray, controller: Controller, y_d: np.ndarray) -> Run:
 def _bases(G: np.ndarray, n: int) -> dict[str, Controller]:
     M = len(G) - 1
     splines, cosines = bsplines(normalised_time(M), n, DEGREE), dct(M, n)
-    return {"CE-Opt": effort_optimal(G, n), "B-splines": decoupled(splines, G @ splines), "DCT": decoupled(cosines, G @ cosines)}
+    return {
+        "CE-Opt": effort_optimal(G, n),
+        "B-splines": decoupled(splines, G @ splines),
+        "DCT": decoupled(cosines, G @ cosines),
+    }
 
 
 def _rms(x: np.ndarray) -> float:
@@ -104,8 +108,8 @@ def _table_3_2(seeds: int, progress: Progress) -> Result:
     printed = {"CE-Opt": "0.0287, 0.9993", "B-splines": "0.0316, 1.0480", "DCT": "0.0525, 1.1227"}
     rows = _rows(runs, "Table 3.2", printed, "measured on a printer; its trajectory is a picture")
     caption = (
-        f"Command and tracking error of three bases (Eq. 3.22, App. F) on the Taz 6 model (Eq. 3.25), simulated; command "
-        f"limited to ±{LIMIT:g} mm, M = 1000, n = {n}, 1 kHz, a butterfly's x (Fig. 3.6)."
+        f"Command and tracking error of three bases (Eq. 3.22, App. F) on the Taz 6 model (Eq. 3.25), simulated; "
+        f"command limited to ±{LIMIT:g} mm, M = 1000, n = {n}, 1 kHz, a butterfly's x (Fig. 3.6)."
     )
     return Result(tuple(rows), lambda figure: _draw(figure, runs, 1e-3), caption)
 
@@ -119,12 +123,23 @@ def _app_h(seeds: int, progress: Progress) -> Result:
     gap = sigma[-3] / max(sigma[-2], np.finfo(float).tiny)
     progress(1.0)
     rows = [
-        judged(bool(gap > 1e3), "Fig. H.4: third smallest singular value over the second smallest", "two deviate", float(gap), "> 1000"),
-        *_rows(runs, "Table H.1, X", {"CE-Opt": "0.06, 1.05", "B-splines": "0.17, 1.08"}, "measured on a stage whose model is not in the paper"),
+        judged(
+            bool(gap > 1e3),
+            "Fig. H.4: third smallest singular value over the second smallest",
+            "two deviate",
+            float(gap),
+            "> 1000",
+        ),
+        *_rows(
+            runs,
+            "Table H.1, X",
+            {"CE-Opt": "0.06, 1.05", "B-splines": "0.17, 1.08"},
+            "measured on a stage whose model is not in the paper",
+        ),
     ]
     caption = (
-        f"Command and tracking error of CE-Opt (Eq. 3.22) and B-splines (Eq. F.2) on a stage with one zero outside the unit "
-        f"circle, simulated; command limited to ±{LIMIT:g} mm, M = 2000, n = {n}, 10 kHz, a butterfly's x (Fig. H.7)."
+        f"Command and tracking error of CE-Opt (Eq. 3.22) and B-splines (Eq. F.2) on a stage with one zero outside the "
+        f"unit circle, simulated; command limited to ±{LIMIT:g} mm, M = 2000, n = {n}, 10 kHz, a butterfly's x (Fig. H.7)."
     )
     return Result(tuple(rows), lambda figure: _draw(figure, runs, STAGE_DT), caption)
 
@@ -132,12 +147,16 @@ def _app_h(seeds: int, progress: Progress) -> Result:
 def _rows(runs: dict[str, Run], table: str, printed: dict[str, str], why: str) -> list[Row]:
     y_rms, best = _rms(butterfly(len(runs["CE-Opt"].e))), runs["CE-Opt"]
     inside = best.largest <= LIMIT
-    rows = [judged(inside, "CE-Opt: largest command asked for [mm]", "inside the limit", best.largest, f"at most {LIMIT:g}")]
+    rows = [
+        judged(inside, "CE-Opt: largest command asked for [mm]", "inside the limit", best.largest, f"at most {LIMIT:g}")
+    ]
     for name in sorted(runs.keys() - {"CE-Opt"}):
         more = runs[name].J_c / best.J_c
         rows.append(judged(more > 1, f"J_c of {name} over CE-Opt's", "> 1", more, "> 1"))
         what = f"{name}: largest command asked for [mm]"
-        rows.append(not_reproducible(what, f"beyond the limit of {LIMIT:g}", "rests on the trajectory", runs[name].largest))
+        rows.append(
+            not_reproducible(what, f"beyond the limit of {LIMIT:g}", "rests on the trajectory", runs[name].largest)
+        )
     for name, run in runs.items():
         ours = f"{_rms(run.e) / y_rms:.4f}, {_rms(run.u) / y_rms:.4f}"
         rows.append(not_reproducible(f"{table}, {name}: e_RMS/y_d,RMS, u_RMS/y_d,RMS", printed[name], why, ours))
@@ -157,6 +176,20 @@ def _draw(figure: Figure, runs: dict[str, Run], dt: float) -> None:
 
 
 ITEMS = (
-    Item("ramani-2020-table-3.2", "Table 3.2 and Fig. 3.6, simulated: bases at a command limit", PAPER, "Eq. 3.22, 3.25", True, _table_3_2),
-    Item("ramani-2020-app-h", "App. H, simulated: a stage with a zero outside the circle", PAPER, "Eq. 3.22", False, _app_h),
+    Item(
+        "ramani-2020-table-3.2",
+        "Table 3.2 and Fig. 3.6, simulated: bases at a command limit",
+        PAPER,
+        "Eq. 3.22, 3.25",
+        True,
+        _table_3_2,
+    ),
+    Item(
+        "ramani-2020-app-h",
+        "App. H, simulated: a stage with a zero outside the circle",
+        PAPER,
+        "Eq. 3.22",
+        False,
+        _app_h,
+    ),
 )

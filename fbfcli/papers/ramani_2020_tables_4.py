@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,8 +27,10 @@ TABLE_4_1 = {
     ("CE-Opt", "proposed"): ("0.74", 0.754, 0.008), ("robust", "proposed"): ("0.67", 0.691, 0.008),
 }  # fmt: skip
 TABLE_4_2 = {
-    ("DCT", "standard"): 1.10e3, ("B-splines", "standard"): 7.64e9, ("CE-Opt", "standard"): 9.26, ("robust", "standard"): 23.9,
-    ("DCT", "proposed"): 6.81e2, ("B-splines", "proposed"): 1.78e9, ("CE-Opt", "proposed"): 7.77, ("robust", "proposed"): 9.16,
+    ("DCT", "standard"): 1.10e3, ("B-splines", "standard"): 7.64e9,
+    ("CE-Opt", "standard"): 9.26, ("robust", "standard"): 23.9,
+    ("DCT", "proposed"): 6.81e2, ("B-splines", "proposed"): 1.78e9,
+    ("CE-Opt", "proposed"): 7.77, ("robust", "proposed"): 9.16,
 }  # fmt: skip
 DECADE = 10.0  # "order of magnitude"
 
@@ -43,7 +46,7 @@ def _growing(whole: Controller, y_d: np.ndarray) -> list[np.ndarray]:
     """The command of every size from the largest controller: each adds its own functions to the one before."""
     gamma = whole.Psi_f.T @ y_d
     edges = [0, *(SIZES + 1)]
-    parts = [whole.Psi[:, i:j] @ gamma[i:j] for i, j in zip(edges[:-1], edges[1:], strict=True)]
+    parts = [whole.Psi[:, i:j] @ gamma[i:j] for i, j in pairwise(edges)]
     return list(np.cumsum(parts, axis=0))
 
 
@@ -73,7 +76,7 @@ def _relative(e: np.ndarray, y_d: np.ndarray) -> np.ndarray:
 
 
 def _second_order(g: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """u behind (b_1 q^-1 + b_2 q^-2) / (1 + a_1 q^-1 + a_2 q^-2), whose g_k + a_1 g_(k-1) + a_2 g_(k-2) = 0 from k = 3."""
+    """u behind (b_1 q^-1 + b_2 q^-2) / (1 + a_1 q^-1 + a_2 q^-2): g_k + a_1 g_(k-1) + a_2 g_(k-2) = 0 from k = 3 on."""
     a_1, a_2 = np.linalg.solve([[g[2], g[1]], [g[3], g[2]]], -g[3:5])
     return lfilter([0.0, g[1], g[2] + a_1 * g[1]], [1.0, a_1, a_2], u)
 
@@ -87,7 +90,7 @@ def _table_4_1(seeds: int, progress: Progress) -> Result:
     rows = [_mean_row(key, means[key]) for key in COMBINATIONS]
     rows += [_ordering(which, means, seeds) for which in NOMINALS]
     caption = (
-        f"Tracking error against the number of functions n over 410 plants (Eq. 4.1): mean and, thin, standard deviation; "
+        f"Tracking error against the number of functions n over 410 plants (Eq. 4.1): mean; thin: standard deviation; "
         f"dotted behind the nominal plant. Standard (Eq. 4.1) and optimal nominal model (Eq. 4.28); bases of App. F, "
         f"Eq. 3.22 and Eq. 4.22; M = {M}, mean of {seeds} draws (Figs 4.1, 4.2, 4.5)."
     )
@@ -153,7 +156,15 @@ def _table_4_2(seeds: int, progress: Progress) -> Result:
     for which in NOMINALS:
         medians = [np.median(largest[name, which]) for name in ("CE-Opt", "robust", "DCT", "B-splines")]
         ordered = bool((np.diff(medians) > 0).all())
-        rows.append(judged(ordered, f"Table 4.2, {which}: CE-Opt < robust < DCT < B-splines", "so ordered", str(ordered), "ordering"))
+        rows.append(
+            judged(
+                ordered,
+                f"Table 4.2, {which}: CE-Opt < robust < DCT < B-splines",
+                "so ordered",
+                str(ordered),
+                "ordering",
+            )
+        )
     caption = (
         f"Control input against the number of functions n for (a) the standard (Eq. 4.1) and (b) the optimal nominal "
         f"model (Eq. 4.28); M = {M}, mean of {seeds} draws (Fig. 4.6)."
@@ -179,6 +190,20 @@ def _draw_inputs(figure: Figure, found: dict[tuple[str, str], np.ndarray]) -> No
 
 
 ITEMS = (
-    Item("ramani-2020-table-4.1", "Table 4.1 and Figs 4.1, 4.2, 4.5: errors over 410 plants", PAPER, "Eq. 3.22, 4.22, 4.28", False, _table_4_1),
-    Item("ramani-2020-table-4.2", "Table 4.2 and Fig. 4.6: control input", PAPER, "Eq. 3.22, 4.22, 4.28", False, _table_4_2),
+    Item(
+        "ramani-2020-table-4.1",
+        "Table 4.1 and Figs 4.1, 4.2, 4.5: errors over 410 plants",
+        PAPER,
+        "Eq. 3.22, 4.22, 4.28",
+        False,
+        _table_4_1,
+    ),
+    Item(
+        "ramani-2020-table-4.2",
+        "Table 4.2 and Fig. 4.6: control input",
+        PAPER,
+        "Eq. 3.22, 4.22, 4.28",
+        False,
+        _table_4_2,
+    ),
 )

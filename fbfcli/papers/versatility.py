@@ -88,12 +88,16 @@ def _mimo(seeds: int, progress: Progress) -> Result:
             rows.append(judged(better > 1000, f"{name}: error without compensation over with", None, better, "> 1000"))
         else:
             away = output_space(G) @ (output_space(G).T @ y_d) - y_d
-            rows.append(between(f"{name}: error over the least that any command leaves", None, _rms(y_d - y) / _rms(away), 1, 1.01))
+            rows.append(
+                between(
+                    f"{name}: error over the least that any command leaves", None, _rms(y_d - y) / _rms(away), 1, 1.01
+                )
+            )
         shown[name] = (y_d - y).reshape(M + 1, outputs)
         progress((k + 1) / 3)
     caption = (
-        f"Tracking errors of coupled axes, the plant's own recursion under FBF's command (Eq. 2.10, 2.11; lifted as App. A); "
-        f"M = {M}, {N + 1} splines of degree {DEGREE} per input. Two inputs cannot follow three outputs that are independent."
+        f"Tracking errors of coupled axes, the plant's own recursion under FBF's command (Eq. 2.10, 2.11, App. A); "
+        f"M = {M}, {N + 1} splines of degree {DEGREE} per input. Two inputs cannot follow three outputs."
     )
     return Result(tuple(rows), lambda figure: _draw_channels(figure, shown), caption)
 
@@ -123,7 +127,11 @@ def _varying(seeds: int, progress: Progress) -> Result:
     y = recursion(systems, u)
     frozen = varying([delta_like(np.array([STROKE / 2]))[0]] * (M + 1))
     u_frozen = decoupled(Phi, frozen @ Phi).command(y_d)
-    errors = {"LTV model": y_d - y, "frozen at mid-stroke": y_d - recursion(systems, u_frozen), "no compensation": y_d - recursion(systems, y_d)}
+    errors = {
+        "LTV model": y_d - y,
+        "frozen at mid-stroke": y_d - recursion(systems, u_frozen),
+        "no compensation": y_d - recursion(systems, y_d),
+    }
     better = _rms(errors["frozen at mid-stroke"]) / _rms(errors["LTV model"])
     rows = [
         *_proof("position-varying", G, fbf, Phi, u, y, y_d),
@@ -131,8 +139,8 @@ def _varying(seeds: int, progress: Progress) -> Result:
         judged(better > 100, "error of a model frozen at mid-stroke over the varying one's", None, better, "> 100"),
     ]
     caption = (
-        f"A mode that falls from 55 to 35 Hz along the stroke: tracking error under FBF with the varying model (Eq. 2.10, "
-        f"lifted LTV), with a model frozen at mid-stroke, and without compensation; M = {M}, n = {N}."
+        f"A mode that falls from 55 to 35 Hz along the stroke: tracking error under FBF with the varying model (Eq. "
+        f"2.10, lifted LTV), with a model frozen at mid-stroke, and without compensation; M = {M}, n = {N}."
     )
     return Result(tuple(rows), lambda figure: _draw_errors(figure, errors), caption)
 
@@ -160,6 +168,20 @@ def _draw_errors(figure: Figure, errors: dict[str, np.ndarray]) -> None:
 
 
 ITEMS = (
-    Item("fbf-mimo", "Several inputs and outputs, square and not, against dense truth", PAPER, "Eq. 2.10, 2.21, App. A", True, _mimo),
-    Item("fbf-ltv", "A plant that varies with position, against dense truth", PAPER, "Eq. 2.10, 2.21, App. A", True, _varying),
+    Item(
+        "fbf-mimo",
+        "Several inputs and outputs, square and not, against dense truth",
+        PAPER,
+        "Eq. 2.10, 2.21, App. A",
+        True,
+        _mimo,
+    ),
+    Item(
+        "fbf-ltv",
+        "A plant that varies with position, against dense truth",
+        PAPER,
+        "Eq. 2.10, 2.21, App. A",
+        True,
+        _varying,
+    ),
 )

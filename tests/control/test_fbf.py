@@ -1,4 +1,4 @@
-"""Dense FBF: projections, conditions kept, derivatives weighed, ranks revealed; one test per pitfall of its conditioning."""
+"""Dense FBF: projections, conditions kept, derivatives weighed, ranks revealed; a test per pitfall of conditioning."""
 
 from __future__ import annotations
 
@@ -74,7 +74,9 @@ def test_in_order_refuses_functions_that_depend():
 def test_laguerre_functions_track_too():
     Phi = laguerre(M, 40, 0.7)
     fbf = decoupled(Phi, plant(1.1) @ Phi)
-    np.testing.assert_allclose(fbf.output(Phi[:, 3]), plant(1.1) @ Phi @ coefficients(plant(1.1) @ Phi, Phi[:, 3]), atol=1e-9)
+    np.testing.assert_allclose(
+        fbf.output(Phi[:, 3]), plant(1.1) @ Phi @ coefficients(plant(1.1) @ Phi, Phi[:, 3]), atol=1e-9
+    )
 
 
 class TestConditioning:
@@ -154,5 +156,5 @@ def test_the_rank_test_of_app_c(n, state, expected):
     last, a = 100, 2.0
     K = (1 - p) / (1 - a)
     G = causal(markov(K * np.array([1.0, -a]), np.array([1.0, -p]), last))
-    O = observability(np.array([[p]]), np.array([[K * (p - a)]]), last)
-    assert depends(dct(last, n), np.full((1, n + 1), state), G, O) == expected
+    Gamma = observability(np.array([[p]]), np.array([[K * (p - a)]]), last)
+    assert depends(dct(last, n), np.full((1, n + 1), state), G, Gamma) == expected

@@ -8,7 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter, tf2ss
 
-from fbfcli.control.lifted import bound, causal, decoupled_bound, markov, metric, mimo, non_causal, observability, varying
+from fbfcli.control.lifted import (
+    bound,
+    causal,
+    decoupled_bound,
+    markov,
+    metric,
+    mimo,
+    non_causal,
+    observability,
+    varying,
+)
 
 b, a = np.array([0.2, -0.5, 0.1]), np.array([1.0, -1.2, 0.5])
 u = np.random.default_rng(3).standard_normal(40)
@@ -48,7 +58,7 @@ def test_several_channels_by_state_space_and_by_blocks_agree():
 
 
 def test_an_initial_state_rings_as_observed():
-    A, B, C, D = tf2ss(b, a)
+    A, _, C, _ = tf2ss(b, a)
     x = np.array([0.7, -0.2])
     heard = [float((C @ np.linalg.matrix_power(A, k) @ x)[0]) for k in range(15)]
     np.testing.assert_allclose(observability(A, C, 14) @ x, heard, atol=1e-12)

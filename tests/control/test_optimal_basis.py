@@ -1,4 +1,4 @@
-"""Bases that are best for a plant: nobody's effort is smaller, nobody is less disturbed, and sizes are what is asked."""
+"""Bases that are best for a plant: no effort is smaller, none is less disturbed, and sizes are what is asked."""
 
 from __future__ import annotations
 
@@ -75,12 +75,12 @@ def test_no_basis_is_less_disturbed(n):
     family = lti_family(g, weights)
     robust = robust_basis(G, family.root(G), r=2)
     J = family.metric(robust.controller(n))
-    assert J == pytest.approx(robust.metric(n), rel=1e-6)
-    assert J <= family.metric(effort_optimal(G, n)) * (1 + 1e-9)
+    assert pytest.approx(robust.metric(n), rel=1e-6) == J
+    assert family.metric(effort_optimal(G, n)) * (1 + 1e-9) >= J
     kept = effort_optimal(G, M - 2).Psi
     for seed in range(5):
         Phi = kept @ np.random.default_rng(seed).standard_normal((M - 1, n + 1))
-        assert J <= family.metric(decoupled(Phi, G @ Phi)) * (1 + 1e-9)
+        assert family.metric(decoupled(Phi, G @ Phi)) * (1 + 1e-9) >= J
 
 
 def test_the_best_size_is_where_the_metric_is_least():

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete, lfilter
 
-from fbfcli.control.lifted import metric, non_causal
+from fbfcli.control.lifted import causal, metric, non_causal
 from fbfcli.control.lifted_robust import family
-from fbfcli.control.lifted import causal
 from fbfcli.papers.oscillators import DT, M, oscillator, realisations
 from fbfcli.papers.ramani_2020_stages import TAZ6_A, TAZ6_B, stage
 from fbfcli.papers.ramani_2020_tables_4 import _second_order
@@ -72,7 +71,7 @@ def test_the_printed_printer_model_is_stable_with_unit_gain():
 def test_the_stage_has_what_app_h_tells_of():
     b, a = stage()
     assert b[0] == pytest.approx(0, abs=1e-12) and abs(b[1]) > 1e-9  # relative degree one
-    assert np.abs(np.roots(a)).max() < 1 and b.sum() / a.sum() == pytest.approx(1)
+    assert np.abs(np.roots(a)).max() < 1 and b.sum() / a.sum() == pytest.approx(1, abs=1e-3)
     outside = [z for z in np.roots(b[1:]) if abs(z) > 1 and abs(z.imag) < 1e-6 and z.real > 0]
     assert len(outside) == 1
 
