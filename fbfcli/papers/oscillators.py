@@ -20,7 +20,7 @@ from fbfcli.control.optimal_basis import RobustBasis, effort_optimal, robust_bas
 
 M, R, DEGREE = 1000, 1, 5
 DT = 1e-3  # s
-SIZES = np.arange(10, 991, 10)  # n
+SIZES = range(10, 991, 10)  # n
 NAMES = ("DCT", "B-splines", "CE-Opt", "robust")
 NOMINALS = ("standard", "proposed")
 
@@ -81,7 +81,7 @@ def nominal(which: str) -> Nominal:
     robust = robust_basis(G, plants().root(G), R)
     nested = {
         "DCT": decoupled_in_order(cosines, G @ cosines),
-        "CE-Opt": effort_optimal(G, int(SIZES[-1])),
-        "robust": robust.controller(int(SIZES[-1])),
+        "CE-Opt": effort_optimal(G, SIZES[-1]),
+        "robust": robust.controller(SIZES[-1]),
     }
     return Nominal(G, robust, nested)

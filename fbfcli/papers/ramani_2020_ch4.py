@@ -63,7 +63,7 @@ def _metrics(seeds: int, progress: Progress) -> Result:
             if name == "B-splines":
                 curves[name, which] = np.array([family.metric(model.controller(name, n)) for n in SIZES])
             else:
-                curves[name, which] = family.nested_metrics(model.nested[name])[SIZES]
+                curves[name, which] = family.nested_metrics(model.nested[name])[list(SIZES)]
         progress((k + 1) / len(NOMINALS))
     rows = tuple(
         near(

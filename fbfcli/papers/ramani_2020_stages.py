@@ -50,7 +50,8 @@ def butterfly(samples: int) -> np.ndarray:
 
 def stage() -> tuple[np.ndarray, np.ndarray]:
     """Modes side by side times (1 - s / zero), behind a zero-order hold: b, a of z^0, z^-1, ..."""
-    numerator, denominator = np.zeros(1), np.ones(1)
+    numerator: np.ndarray = np.zeros(1)
+    denominator: np.ndarray = np.ones(1)
     for frequency, zeta, weight in MODES:
         w = 2 * np.pi * frequency
         own = np.array([1, 2 * zeta * w, w**2])
@@ -138,8 +139,8 @@ def _app_h(seeds: int, progress: Progress) -> Result:
         ),
     ]
     caption = (
-        f"Command and tracking error of CE-Opt (Eq. 3.22) and B-splines (Eq. F.2) on a stage with one zero outside the "
-        f"unit circle, simulated; command limited to ±{LIMIT:g} mm, M = 2000, n = {n}, 10 kHz, a butterfly's x (Fig. H.7)."
+        f"Command and tracking error of CE-Opt (Eq. 3.22) and B-splines (Eq. F.2) on a stage with one zero outside "
+        f"the circle, simulated; command limited to ±{LIMIT:g} mm, M = 2000, n = {n}, 10 kHz, a butterfly (Fig. H.7)."
     )
     return Result(tuple(rows), lambda figure: _draw(figure, runs, STAGE_DT), caption)
 

@@ -45,7 +45,7 @@ def _commands(model: Nominal, name: str, y_d: np.ndarray) -> np.ndarray:
 def _growing(whole: Controller, y_d: np.ndarray) -> list[np.ndarray]:
     """The command of every size from the largest controller: each adds its own functions to the one before."""
     gamma = whole.Psi_f.T @ y_d
-    edges = [0, *(SIZES + 1)]
+    edges = [0, *(n + 1 for n in SIZES)]
     parts = [whole.Psi[:, i:j] @ gamma[i:j] for i, j in pairwise(edges)]
     return list(np.cumsum(parts, axis=0))
 
@@ -115,7 +115,7 @@ def _ordering(which: str, means: dict[tuple[str, str], np.ndarray], seeds: int) 
 def _nominal_row(name: str, errors: Errors) -> Row:
     """The one draw of the paper lies among ours."""
     paper = {"DCT": 0.6686, "B-splines": 0.6662, "CE-Opt": 0.6800, "robust": 0.6794}[name]
-    draws = errors.ideal[list(SIZES).index(500)]
+    draws = errors.ideal[SIZES.index(500)]
     spread = 3 * float(draws.std())
     what = f"Sec. 4.6.1, {name}: nominal e_RMS/y_d,RMS at n = 500"
     return between(what, paper, float(draws.mean()), paper - spread, paper + spread, f"3 sd over draws {spread:.3f}")
