@@ -21,6 +21,7 @@ from fbfcli.control.robust import worst_case_filter
 from fbfcli.control.spline_fbf import FullPreview, filtered_basis
 from fbfcli.control.windows import SplineCompensator
 from fbfcli.papers.item import Item, Progress, Result, between, judged
+from fbfcli.papers.ramani_2020_stages import TAZ6_A, TAZ6_B
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,8 +36,6 @@ REALISATIONS = 10_000
 FEWER = 200  # for the families after the first
 BATCH = 250
 
-TAZ_6_B = (0, 0.0874002643, -0.3414755673, 0.5118203207, -0.3480853557, 0.0906300805)  # Ramani 2020 Eq. 3.25
-TAZ_6_A = (1, -4.5399420515, 8.2830579485, -7.5829420515, 3.4790579485, -0.6389420515)
 N_UP, N_C, L = 28, 56, 17
 RESPONSE = 600  # samples: 11.5 time constants are 465
 AGREES_MM = 5e-6
@@ -172,7 +171,7 @@ def _worst_ratio() -> float:
 
 
 def _limited(seeds: int, progress: Progress) -> Result:
-    h = lfilter(TAZ_6_B, TAZ_6_A, np.eye(1, RESPONSE)[0])
+    h = lfilter(TAZ6_B, TAZ6_A, np.eye(1, RESPONSE)[0])
     h /= h.sum()
     basis = uniform_basis(DEGREE, L)
     n_max = 400
