@@ -18,6 +18,7 @@ MODULES = (  # in fbfcli.papers, in the order of the papers; each has ITEMS, a t
     "ramani_2020_tables_4",
     "ramani_2020b",
     "ramani_2020b_printer",
+    "hardware",
 )
 
 
