@@ -14,16 +14,15 @@ TAZ 6, L 0   112/367     114/11081 216/21   no        153/57   1.6/17
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
 from fbfcli.control.axis_model import AxisModel
 from fbfcli.control.basis import uniform_basis
-from fbfcli.control.compensator import AT_REST, Compensator, Stream
+from fbfcli.control.compensator import AT_REST, Compensator
 from fbfcli.control.factored_plant import ZETA_MIN, FactoredPlant, factored
-from fbfcli.control.fir_stream import FirStream
+from fbfcli.control.fir_compensator import FirCompensator
 from fbfcli.control.inversion import (
     TERMS,
     Inverse,
@@ -44,43 +43,6 @@ WIDER = 1.4  # knots of F, each time the command must be gentler
 STEPS = 3
 PREVIEW_S = 0.25  # of stable inversion
 DIED_OUT = 3e-3  # of a response: what is cut off moves the command by less than this part of the motion it would hear
-
-
-@dataclass(frozen=True)
-class InverseFilter:
-    """u[k] = sum_j taps[axis, j] y_d[k + lead - j].
-
-    taps       : ndarray, shape (axes, lead + tail + 1)   weights, rows sum to 1
-    lead, tail : hold a stretch needs at its start and end, for its command to start and end at rest [samples]
-    harder     : makes the same with a wider smoothing filter, None after the last step
-    """
-
-    name: str
-    taps: np.ndarray
-    lead: int
-    tail: int
-    harder: Callable[[], InverseFilter] | None = None
-
-    settle = 0
-
-    @property
-    def preview(self) -> int:
-        """Samples ahead that a command depends on."""
-        return self.lead
-
-    def start(self, y_0: np.ndarray) -> FirStream:
-        """A stretch that rests at y_0, shape (axes,) [mm], before it."""
-        return FirStream(self, np.array(y_0, float))
-
-    def resume(self, stream: Stream) -> FirStream:
-        """The same stretch from where it is, with this smoothing."""
-        if not isinstance(stream, FirStream):
-            raise TypeError("another method's stretch")
-        return stream.under(self)
-
-    def stiffer(self) -> InverseFilter | None:
-        """The same with wider smoothing."""
-        return self.harder() if self.harder else None
 
 
 def inverse(name: str, axes: Sequence[AxisModel], dt: float, options: Mapping[str, float] | None = None) -> Compensator:
@@ -122,20 +84,20 @@ def _smoothed(controllers: Sequence[TwoSided], L: int) -> list[TwoSided]:
     return [TwoSided(C.c / C.c.sum(), C.ahead) for C in cut]
 
 
-def _levels(name: str, levels: Sequence[Sequence[TwoSided]]) -> InverseFilter:
+def _levels(name: str, levels: Sequence[Sequence[TwoSided]]) -> FirCompensator:
     """From the sharpest to the smoothest, all with the same lead and tail: a stretch may change over."""
     every = [C for level in levels for C in level]
     lead = max(0, *(C.ahead for C in every)) + AT_REST
     tail = max(0, *(len(C.c) - 1 - C.ahead for C in every)) + AT_REST
-    harder: Callable[[], InverseFilter] | None = None
+    harder: Callable[[], FirCompensator] | None = None
     for level in reversed(levels):
         taps = np.zeros((len(level), lead + tail + 1))
         for row, C in zip(taps, level, strict=True):
             row[lead - C.ahead : lead - C.ahead + len(C.c)] = C.c
-        design = InverseFilter(name, taps, lead, tail, harder)
+        design = FirCompensator(name, taps, lead, tail, harder)
         harder = _again(design)
     return design
 
 
-def _again(design: InverseFilter) -> Callable[[], InverseFilter]:
+def _again(design: FirCompensator) -> Callable[[], FirCompensator]:
     return lambda: design

@@ -2,37 +2,62 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+
+from fbfcli.control.compensator import Stream
 
 FEW = 12  # nonzero weights that are added one by one; more are convolved
 
 
-class Fir(Protocol):
+@dataclass(frozen=True)
+class FirCompensator:
     """u[k] = sum_j taps[axis, j] y_d[k + lead - j].
 
     taps       : ndarray, shape (axes, lead + tail + 1)   weights, rows sum to 1
-    lead, tail : samples ahead and behind that a command hears
+    lead, tail : hold a stretch needs at its start and end, for its command to start and end at rest [samples]
+    harder     : makes a gentler one of the same lead and tail; None where there is none
     """
 
+    name: str
+    taps: np.ndarray
+    lead: int
+    tail: int
+    harder: Callable[[], FirCompensator] | None = None
+
+    settle = 0
+
     @property
-    def taps(self) -> np.ndarray: ...
-    @property
-    def lead(self) -> int: ...
-    @property
-    def tail(self) -> int: ...
+    def preview(self) -> int:
+        """Samples ahead that a command depends on."""
+        return self.lead
+
+    def start(self, y_0: np.ndarray) -> FirStream:
+        """A stretch that rests at y_0, shape (axes,) [mm], before it."""
+        return FirStream(self, np.array(y_0, float))
+
+    def resume(self, stream: Stream) -> FirStream:
+        """The same stretch from where it is, with these weights."""
+        if not isinstance(stream, FirStream):
+            raise TypeError("another method's stretch")
+        return stream.under(self)
+
+    def stiffer(self) -> FirCompensator | None:
+        """The gentler one, if there is one."""
+        return self.harder() if self.harder else None
 
 
 class FirStream:
     """One stretch: remembers the samples that later commands still hear."""
 
-    def __init__(self, design: Fir, y_0: np.ndarray):
+    def __init__(self, design: FirCompensator, y_0: np.ndarray):
         self._design, self._y_0 = design, y_0
         self._y = np.zeros((design.tail, len(y_0)))
         self._end = self._y_0  # the last desired position so far
 
-    def under(self, design: Fir) -> FirStream:
+    def under(self, design: FirCompensator) -> FirStream:
         """A copy that goes on with another design of the same lead and tail."""
         copy = FirStream(design, self._y_0)
         copy._y, copy._end = self._y, self._end
