@@ -58,11 +58,11 @@ def inverse(name: str, axes: Sequence[AxisModel], dt: float, options: Mapping[st
         raise ValueError(f"unknown method or option in {name!r}, {sorted(given)}: methods {INVERSION_METHODS}, "
                          f"options {INVERSION_OPTIONS}")  # fmt: skip
     terms, preview = int(given.get("terms", TERMS)), int(given.get("preview", ceil(PREVIEW_S / dt)))
-    if terms < 1 or preview < 1:
-        raise ValueError("terms and preview must be at least 1")
+    L = given.get("smooth", SMOOTH_S / dt)
+    if terms < 1 or preview < 1 or L < 0:
+        raise ValueError("terms and preview must be at least 1, smooth not negative")
     plants = [factored(axis.b, axis.a, given.get("zero_damping", ZETA_MIN)) for axis in axes]
     controllers = [_inverse_of(name, plant, terms, preview).C for plant in plants]
-    L = given.get("smooth", SMOOTH_S / dt)
     widths = [round(L * WIDER**step) for step in range(STEPS + 1)] if L > 0 else [0]
     return _levels(name, [_smoothed(controllers, width) for width in widths])
 

@@ -21,7 +21,7 @@ class TwoSided:
 
     def then(self, other: TwoSided) -> TwoSided:
         """One filter after the other."""
-        return TwoSided(np.convolve(self.c, other.c), self.ahead + other.ahead)
+        return TwoSided(convolve(self.c, other.c), self.ahead + other.ahead)
 
     def plus(self, other: TwoSided, scale: float = 1.0) -> TwoSided:
         """This filter and `scale` times the other, side by side."""
