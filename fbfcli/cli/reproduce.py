@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
 from time import perf_counter
@@ -15,7 +17,7 @@ import fbfcli
 from fbfcli.cli.files import DASH, reading, replacing, saying
 from fbfcli.cli.lookup import find_printer
 from fbfcli.cli.options import json_option, quiet_option
-from fbfcli.cli.telling import fraction_bar, tell_json
+from fbfcli.cli.telling import fraction_bar, named, tell_json
 from fbfcli.errors import FbfError
 
 if TYPE_CHECKING:
@@ -112,7 +114,13 @@ def _items(part: str | None) -> list[Item]:
 
     file = part or str(SAMPLE)
     study = acceleration_study.item(lambda: _text(file), lambda: find_printer(STUDIED))
-    return [*catalogue.items(), study] if part or SAMPLE.is_file() else [*catalogue.items()]
+
+    def compute(seeds: int, progress: Callable[[float], None]) -> Result:
+        with named(file, STUDIED):
+            return study.compute(seeds, progress)
+
+    told = replace(study, compute=compute)
+    return [*catalogue.items(), told] if part or SAMPLE.is_file() else [*catalogue.items()]
 
 
 def _text(file: str) -> bytes:
@@ -123,7 +131,7 @@ def _text(file: str) -> bytes:
 def _named(names: Sequence[str], items: Sequence[Item]) -> list[Item]:
     """The items that are called so or begin so, in the catalogue's order."""
     for name in names:
-        if not any(item.name.startswith(name) for item in items):
+        if not name or not any(item.name.startswith(name) for item in items):
             near = get_close_matches(name, [item.name for item in items], n=1)
             raise click.UsageError(f"nothing is called {name!r}" + (f"; did you mean {near[0]!r}?" if near else "")
                                    + " ('fbf reproduce' lists what there is)")  # fmt: skip
@@ -158,6 +166,7 @@ def _draw(name: str, result: Result, folder: Path) -> str | None:
     figure.supxlabel(textwrap.fill(result.caption, width), x=0.01, ha="left", fontsize=CAPTION_PT)
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / f"{name}.png"
-    with replacing(str(file)) as stream:
+    with replacing(str(file)) as stream, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Creating legend")  # it was slow: the machine is busy
         figure.savefig(stream, format="png", dpi=DPI)
     return str(file)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fbfcli.errors import GcodeError
 from fbfcli.gcode.scan import chunks
 from fbfcli.papers.item import Item, Progress, Result, judged, not_reproducible
 from fbfcli.pipeline.compensate import compensate
@@ -42,6 +43,8 @@ def study(part: bytes, printer: Printer, progress: Progress) -> dict[int, tuple[
     for k, a in enumerate(ACCELERATIONS):
         settings = (Settings(method=m, acceleration=a * MM_PER_M, velocity=FEED) for m in ("none", "lpfbs"))
         plain, compensated = (_printed(part, printer, each) for each in settings)
+        if plain.after == 0.0:
+            raise GcodeError("no extruding move of this part can be compensated", remedy="take a sliced print")
         found[a] = plain, compensated
         progress((k + 1) / len(ACCELERATIONS))
     return found

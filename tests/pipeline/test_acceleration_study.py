@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
 from print_cases import printer
 
+from fbfcli.errors import GcodeError
 from fbfcli.papers.item import NOT_REPRODUCIBLE
 from fbfcli.pipeline import acceleration_study
 from fbfcli.pipeline.acceleration_study import ACCELERATIONS, item, study
@@ -21,6 +23,12 @@ def test_faster_prints_shake_more_and_compensated_ones_hardly():
     assert times == sorted(times, reverse=True)
     assert all(compensated.after < plain.after for plain, compensated in found.values())
     assert all(compensated.after < plain.after / 2 for a, (plain, compensated) in found.items() if a >= 5)
+
+
+@pytest.mark.parametrize("part", [b"G28\n", b"G28\nG4 P100\n"])
+def test_a_part_without_motion_is_refused(part):
+    with pytest.raises(GcodeError, match="sliced print"):
+        study(part, printer(), lambda done: None)
 
 
 def test_the_table_rests_on_what_is_read_when_it_is_computed(monkeypatch):
