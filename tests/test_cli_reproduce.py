@@ -91,6 +91,10 @@ def test_a_typing_error_is_one_clear_line(capsys):
     assert "did you mean 'paper-fig-1'" in capsys.readouterr().err
 
 
+def test_an_empty_name_is_not_the_beginning_of_all():
+    assert run(["reproduce", ""]) == 2
+
+
 @pytest.mark.parametrize(
     "words", [["x", "--all"], ["--all", "--quick"], ["--all", "--json", "-", "--markdown", "-"], ["--seeds", "0"]]
 )
