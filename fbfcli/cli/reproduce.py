@@ -30,7 +30,7 @@ SAMPLE = Path(fbfcli.__file__).parents[1] / "sample_gcode" / "star.gcode"
 SIZE_IN = (8.0, 5.0)
 DPI = 120
 CAPTION_PT = 8
-CHARACTERS_PER_IN = 15  # of a caption in that size
+CHARACTERS_PER_IN = 18  # of a caption in that size
 
 
 @click.command()

@@ -155,7 +155,7 @@ def _draw_channels(figure: Figure, shown: dict[str, np.ndarray]) -> None:
         for i, channel in enumerate(e.T):
             axes.plot(t, 1e3 * channel, label=f"output {i + 1}")
         axes.set(ylabel="error [µm]", title=name)
-        axes.legend(fontsize="small", loc="upper right")
+        axes.legend(fontsize="small", loc="upper left")
     axes.set(xlabel="time [s]")
 
 
