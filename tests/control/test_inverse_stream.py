@@ -101,6 +101,24 @@ def test_a_plant_with_a_zero_on_the_unit_circle_is_refused_with_a_remedy(method)
         inverse(method, [axis("hictop")], DT)
 
 
+def test_rests_on_the_published_models_are_those_of_the_documentation():
+    for name, method, lead, tail in (("taz6", "zpetc", 0.03, 0.24), ("hictop", "zpetc", 0.03, 0.16),
+                                     ("taz6", "stable_inversion", 0.21, 0.24)):  # fmt: skip
+        compensator = inverse(method, [axis(name)], DT)
+        assert compensator.lead * DT <= lead and 0.15 <= compensator.tail * DT <= tail
+
+
+def test_smoothing_costs_13_um_at_5000_mm_per_s2():
+    """(m + 1) / 24 (L dt)^2 y'' with m = 3, L dt = 4 ms, on a parabola."""
+    compensator = inverse("stable_inversion", [axis("35 Hz")], DT)
+    t = DT * np.arange(400)
+    y = np.pad(2500 * t[:, None] ** 2, ((60, 0), (0, 0)))
+    G = PLANTS["35 Hz"]
+    e = lfilter(G.b, G.a, commanded(compensator, y)[:, 0]) - y[:, 0]
+    at_printing_speed = slice(100, 120)  # 200 to 300 mm/s; what is cut off the response counts at higher speeds
+    np.testing.assert_allclose(e[at_printing_speed], 5000 * 4 / 24 * 0.004**2, rtol=0.02)
+
+
 def test_unknown_names_and_options_are_refused():
     bad = ("zpect", {}), ("ts", {"mu": 1.0}), ("ts", {"terms": 0.0}), ("ts", {"smooth": -1.0}), ("ts", {"preview": 0.0})
     for name, options in bad:
