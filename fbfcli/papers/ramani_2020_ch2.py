@@ -11,12 +11,12 @@ from fbfcli.control.fbf import coefficients, decoupled, depends, output_space
 from fbfcli.control.lifted import causal, markov, metric, non_causal, observability
 from fbfcli.control.optimal_basis import accuracy
 from fbfcli.papers.item import Item, Progress, Result, Row, between, close, judged, not_reproducible
+from fbfcli.papers.ramani_2018 import error_dynamics
 from fbfcli.papers.zero_sweep import (
     BASES,
     M,
     N,
     filtered,
-    lti_error,
     noise,
     relative_rms,
     series_metric,
@@ -42,7 +42,7 @@ def _error_norms(seeds: int, progress: Progress) -> Result:
             y = decoupled(Phi, filtered(zero, Phi)).output(y_d)
             found[name][k] = relative_rms(y_d - y, y_d)
         for name in LTI:
-            if E := lti_error(name, zero):
+            if E := error_dynamics(name, zero):
                 found[name][k] = relative_rms(E.filtered(y_d), y_d)
         progress((k + 1) / len(a))
     mean = {name: values.mean(axis=1) for name, values in found.items()}
@@ -82,13 +82,13 @@ def _metrics(seeds: int, progress: Progress) -> Result:
             Q = output_space(filtered(zero, Phi))
             found[name][k] = metric(np.eye(M + 1) - Q @ Q.T)
         for name in LTI:
-            if E := lti_error(name, zero):
+            if E := error_dynamics(name, zero):
                 found[name][k] = metric(non_causal(E.c, E.ahead, M))
         progress((k + 1) / len(a))
     rows = [_farthest(name, found[name]) for name in bases]
     rows += [_formula(name, a, found[name]) for name in LTI]
     fine = zeros(0.02)
-    lti = {name: np.array([J_e(z) if lti_error(name, z) else np.nan for z in fine]) for name, J_e in LTI.items()}
+    lti = {name: np.array([J_e(z) if error_dynamics(name, z) else np.nan for z in fine]) for name, J_e in LTI.items()}
     caption = (
         f"Effect of the zero's place a on J_e (Eq. 2.18) of FBF (Eq. 2.21; computed at the points), ZPETC (Eq. 2.28) "
         f"and TS (Eq. 2.29); M = {M}, n = {N}, n1 = 5."

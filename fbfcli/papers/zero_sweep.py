@@ -11,15 +11,10 @@ from scipy.signal import lfilter
 
 from fbfcli.control.bases import block_pulses, dct
 from fbfcli.control.bspline import bsplines, normalised_time
-from fbfcli.control.factored_plant import factored
-from fbfcli.control.inversion import truncated_series, zpetc
-from fbfcli.control.two_sided import TwoSided
-from fbfcli.errors import ModelError
 
 M, N, N_1 = 1000, 990, 5
 POLE = 0.5
 DEGREE = 5  # of the splines, Ramani 2020
-NONE_CANCELLED = 2.0  # zero damping: inside the circle too, the zero stays where the methods must deal with it
 BASES = {  # the plant's zero leaves them as they are
     "DCT": lambda: dct(M, N),
     "B-splines": lambda: bsplines(normalised_time(M), N, DEGREE),
@@ -46,15 +41,6 @@ def noise(seeds: int) -> np.ndarray:
 def relative_rms(x: np.ndarray, y_d: np.ndarray) -> np.ndarray:
     """x_RMS / y_d,RMS of each column."""
     return np.linalg.norm(x, axis=0) / np.linalg.norm(y_d, axis=0)
-
-
-def lti_error(name: str, a: float) -> TwoSided | None:
-    """E of ZPETC or TS as `inversion` builds it; None where the method does not exist."""
-    G = factored(np.array([1.0, -a]), np.array([1.0, -POLE]), NONE_CANCELLED)
-    try:
-        return (zpetc(G) if name == "ZPETC" else truncated_series(G, N_1)).L.error()
-    except ModelError:
-        return None
 
 
 def zpetc_metric(a: float) -> float:

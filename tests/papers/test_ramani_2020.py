@@ -9,9 +9,10 @@ from scipy.signal import cont2discrete, lfilter
 from fbfcli.control.lifted import causal, metric, non_causal
 from fbfcli.control.lifted_robust import family
 from fbfcli.papers.oscillators import DT, M, oscillator, realisations
+from fbfcli.papers.ramani_2018 import error_dynamics
 from fbfcli.papers.ramani_2020_stages import TAZ6_A, TAZ6_B, stage
 from fbfcli.papers.ramani_2020_tables_4 import _second_order
-from fbfcli.papers.zero_sweep import lti_error, series_metric, zeros, zpetc_metric
+from fbfcli.papers.zero_sweep import series_metric, zeros, zpetc_metric
 
 
 def test_the_family_is_a_zero_order_hold():
@@ -38,7 +39,7 @@ def test_a_plant_from_its_first_samples_is_the_plant():
 @pytest.mark.parametrize("a", [-5.0, -1.1, -0.4, 0.3, 1.1, 3.0])
 def test_metrics_of_zpetc_and_ts_are_of_the_toeplitz_matrix_of_e(a):
     for name, formula in (("ZPETC", zpetc_metric), ("TS", series_metric)):
-        E = lti_error(name, a)
+        E = error_dynamics(name, a)
         assert metric(non_causal(E.c, E.ahead, 1000)) == pytest.approx(formula(a), rel=1e-9)
 
 
@@ -47,14 +48,14 @@ def test_composed_lifted_matrices_have_edges_that_the_formula_has_not():
     a, last = -1.1, 200
     G, C = non_causal(np.array([1.0, -a]), 0, last), non_causal(np.array([-a, 1.0]) / (1 - a) ** 2, 1, last)
     composed = metric(np.eye(last + 1) - G @ C)
-    E = lti_error("ZPETC", a)
+    E = error_dynamics("ZPETC", a)
     apart = abs(composed / metric(non_causal(E.c, E.ahead, last)) - 1)
     assert 1e-5 < apart < 5e-3
 
 
 def test_methods_say_where_they_do_not_apply():
-    assert lti_error("ZPETC", 1.0) is None and lti_error("ZPETC", -1.0) is not None
-    assert lti_error("TS", 1.0) is None and lti_error("TS", -1.0) is None
+    assert error_dynamics("ZPETC", 1.0) is None and error_dynamics("ZPETC", -1.0) is not None
+    assert error_dynamics("TS", 1.0) is None and error_dynamics("TS", -1.0) is None
 
 
 def test_zeros_meet_minus_one_zero_and_one_exactly():
