@@ -35,3 +35,7 @@ class ModelError(FbfError):
 
 class LimitError(FbfError):
     """A command that would leave the printer's limits."""
+
+
+class ControlError(FbfError):
+    """A method asked for what it is not defined for: a basis, a zero on the unit circle, matrices that do not fit."""

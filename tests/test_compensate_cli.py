@@ -226,7 +226,7 @@ def test_planning_with_more_than_the_machine_stands_is_refused(part, capsys, opt
 
 
 def test_the_verb_names_every_method_and_auto():
-    from fbfcli.cli.compensate import METHODS
+    from fbfcli.cli.method_options import METHODS
     from fbfcli.control import design
     from fbfcli.pipeline.settings import AUTO
 

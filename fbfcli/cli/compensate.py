@@ -12,6 +12,7 @@ import click
 
 from fbfcli.cli.files import DASH, is_stream, reading, replacing, streaming
 from fbfcli.cli.lookup import find_file, read_printer
+from fbfcli.cli.method_options import method_options, settings_of
 from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
 from fbfcli.cli.telling import named, progress_bar, tell_json
 from fbfcli.errors import FbfError
@@ -20,34 +21,6 @@ if TYPE_CHECKING:
     from fbfcli.pipeline import Done, Settings
 
 SUFFIX = ".fbf"
-METHODS = (
-    "auto",
-    "none",
-    "zv",
-    "mzv",
-    "zvd",
-    "ei",
-    "2hump_ei",
-    "3hump_ei",
-    "lpfbs",
-    "fbf",
-    "robust",
-    "robust_fbf",
-    "contour",
-)  # as control.design, without importing numpy
-SPLINE_METHODS = ("auto", "lpfbs", "fbf", "robust", "robust_fbf", "contour")
-SPLINE_OPTIONS = {"knots", "degree", "mu", "preview", "settle"}
-FIR_METHODS = ("lpfbs", "fbf")  # whose impulse response may be cut: the others cut theirs by their own rule
-FAMILY_METHODS = ("auto", "robust", "robust_fbf", "contour")
-OPTION_NAMES = (
-    ("knots", "L"),
-    ("preview", "preview"),
-    ("settle", "lead"),
-    ("settle", "tail"),
-)  # as control.design has them
-UM_PER_MM = 1e3
-MS_PER_S = 1e3
-PERCENT = 100.0
 
 
 @click.command(no_args_is_help=False)
@@ -60,37 +33,7 @@ PERCENT = 100.0
     help="Write here; - is standard output. [default: FILE with .fbf before its ending]",
 )
 @click.option("-i", "--in-place", is_flag=True, help="Change FILE itself, as slicers expect of a post-processor.")
-@click.option(
-    "-m",
-    "--method",
-    type=click.Choice(METHODS),
-    default="auto",
-    show_default="auto: by a rule, told in the summary",
-    help="How the command is computed.",
-)
-@click.option(
-    "--spread",
-    type=Number(0, 50),
-    metavar="PERCENT",
-    help="How far frequencies may be from the models' (auto, robust, contour). [default: the profile's, else 15]",
-)
-@click.option(
-    "--extrusion",
-    type=click.Choice(("nozzle", "plan")),
-    help="Filament in step with where the nozzle is expected, or with the plan. [default: nozzle for robust, contour]",
-)
-@click.option(
-    "--accel",
-    type=Number(min=0, min_open=True),
-    metavar="MM/S2",
-    help="Plan with this acceleration instead of the file's.",
-)
-@click.option(
-    "--velocity",
-    type=Number(min=0, min_open=True),
-    metavar="MM/S",
-    help="Plan with this speed limit instead of the file's.",
-)
+@method_options
 @click.option(
     "--tolerance",
     type=Number(0.1, 1000),
@@ -104,19 +47,6 @@ PERCENT = 100.0
     type=Number(min=10),
     metavar="PER_S",
     help="Segments per second the firmware takes. [default: the profile's]",
-)
-@click.option("--knots", type=click.IntRange(1, 200), metavar="MS", help="Splines: spacing of their knots.")
-@click.option("--degree", type=click.IntRange(2, 9), metavar="M", help="Splines: their degree.")
-@click.option("--mu", type=Number(min=0), metavar="WEIGHT", help="Splines: weight on the command's curvature.")
-@click.option(
-    "--preview", type=click.IntRange(10, 5000), metavar="MS", help="lpfbs, contour: how far the method looks ahead."
-)
-@click.option("--fir", type=click.IntRange(10, 20000), metavar="MS", help="lpfbs, fbf: length of the impulse response.")
-@click.option(
-    "--settle",
-    type=click.IntRange(0, 1000),
-    metavar="MS",
-    help="Splines: rest kept before and after each stretch of motion.",
 )
 @json_option
 @click.option(
@@ -182,34 +112,6 @@ def _target(file: str, output: str | None, in_place: bool, dry_run: bool, json_t
 def _beside(file: str) -> str:
     path = Path(file)
     return str(path.with_name(path.stem + SUFFIX + path.suffix))
-
-
-def settings_of(how: dict[str, Any], patch_times: bool) -> Settings:
-    from fbfcli.pipeline import Settings
-
-    given = {name: value for name, value in how.items() if value is not None}
-    for own, methods in ((SPLINE_OPTIONS, SPLINE_METHODS), ({"fir"}, FIR_METHODS), ({"spread"}, FAMILY_METHODS)):
-        if given["method"] not in methods and (idle := sorted(given.keys() & own)):
-            raise click.UsageError(f"--{idle[0]} is for {', '.join(methods)}, not for {given['method']}")
-    samples = {
-        name: round(given[name] / MS_PER_S / Settings.dt)
-        for name in ("knots", "preview", "settle", "fir")
-        if name in given
-    }
-    options: dict[str, float] = {name: float(given[name]) for name in ("degree", "mu") if name in given}
-    options |= {name: samples[option] for option, name in OPTION_NAMES if option in samples}
-    return Settings(
-        method=given["method"],
-        tolerance=given.get("tolerance", UM_PER_MM * Settings.tolerance) / UM_PER_MM,
-        acceleration=given.get("accel"),
-        velocity=given.get("velocity"),
-        segments_per_second=given.get("segments"),
-        options=options,
-        spread=given["spread"] / PERCENT if "spread" in given else None,
-        with_nozzle=given["extrusion"] == "nozzle" if "extrusion" in given else None,
-        fir=samples.get("fir"),
-        patch_times=patch_times,
-    )
 
 
 def _compensate(

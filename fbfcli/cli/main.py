@@ -18,6 +18,7 @@ VERBS = {  # module and command in fbfcli.cli, and its help in one line: numpy i
     "compensate": "Change a print so that a vibrating printer follows it.",
     "steps": "Turn a print into the step pulses of its motors.",
     "printers": "List the printers fbf knows, and check profiles.",
+    "reproduce": "Recompute the papers' tables and figures.",
 }
 COMPLETE = "_FBF_COMPLETE"  # what click's completion scripts set
 INTERRUPTED = 130  # 128 + SIGINT

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fbfcli.cli.compensate import compensate, settings_of
 from fbfcli.cli.files import DASH, is_stream, reading, replacing, streaming
 from fbfcli.cli.lookup import find_file, read_printer
+from fbfcli.cli.method_options import method_options, settings_of
 from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
 from fbfcli.cli.telling import named, progress_bar, tell_json
 from fbfcli.errors import FbfError
@@ -37,9 +37,6 @@ ENDINGS = {  # of files, by format; as steps.formats has them, without importing
 RATED = ("positions", "marlin")
 EVENTS = ".events.jsonl"
 AS_WRITTEN = "none"
-METHOD_OPTIONS = (
-    "method", "spread", "extrusion", "accel", "velocity", "knots", "degree", "mu", "preview", "fir", "settle",
-)  # fmt: skip
 
 
 @click.command(no_args_is_help=False)
@@ -64,6 +61,7 @@ METHOD_OPTIONS = (
     metavar="FILE",
     help="Write the file's other lines with their times here, as JSON lines. [default: OUTPUT.events.jsonl]",
 )
+@method_options
 @json_option
 @click.option("-n", "--dry-run", is_flag=True, help="Compute and tell everything, write nothing.")
 @quiet_option
@@ -102,9 +100,6 @@ def steps(
         click.echo(f"{'size:':15s}{size:,} bytes as {name}, {size / max(total, 1):.2f} per step", err=True)
     if json_to:
         tell_json(json_to, {"format": name, "bytes": size, **summary.as_dict()})
-
-
-steps.params += [option for option in compensate.params if option.name in METHOD_OPTIONS]
 
 
 def _by_ending(output: str | None) -> str:

@@ -13,6 +13,8 @@ import click
 from fbfcli.cli.files import DASH, saying
 from fbfcli.errors import GcodeError, LimitError, ModelError
 
+PER_MILLE = 1000
+
 
 @contextmanager
 def progress_bar(file: str, quiet: bool) -> Iterator[Callable[[int], None]]:
@@ -22,6 +24,16 @@ def progress_bar(file: str, quiet: bool) -> Iterator[Callable[[int], None]]:
         return
     with click.progressbar(length=Path(file).stat().st_size, label=Path(file).name, file=sys.stderr) as bar:  # type: ignore[var-annotated]
         yield lambda done: bar.update(done - bar.pos)
+
+
+@contextmanager
+def fraction_bar(label: str, quiet: bool) -> Iterator[Callable[[float], None]]:
+    """A bar on standard error, if that is a terminal; takes the fraction that is done."""
+    if quiet or not sys.stderr.isatty():
+        yield lambda done: None
+        return
+    with click.progressbar(length=PER_MILLE, label=label, file=sys.stderr) as bar:  # type: ignore[var-annotated]
+        yield lambda done: bar.update(round(done * PER_MILLE) - bar.pos)
 
 
 @contextmanager

@@ -7,13 +7,14 @@ from collections.abc import Mapping, Sequence
 from fbfcli.control.axis_model import AxisModel
 from fbfcli.control.compensator import Compensator, Uncompensated
 from fbfcli.control.contour import contour
+from fbfcli.control.inverse_stream import INVERSION_METHODS, INVERSION_OPTIONS, inverse
 from fbfcli.control.limits import Box
 from fbfcli.control.shapers import MAX_DAMPING, shaper
 from fbfcli.control.spline_design import AXIS_BY_AXIS, axis_by_axis
 from fbfcli.errors import ModelError
 
-METHODS = ("none", *MAX_DAMPING, *AXIS_BY_AXIS, "contour")
-OPTIONS = ("degree", "L", "mu", "rho", "wt", "preview", "n_C", "n_up", "lead", "tail", "frequency", "damping")
+METHODS = ("none", *MAX_DAMPING, *AXIS_BY_AXIS, "contour", *INVERSION_METHODS)
+OPTIONS = ("degree", "L", "mu", "rho", "wt", "n_C", "n_up", "lead", "tail", "frequency", "damping", *INVERSION_OPTIONS)
 
 
 def design(name: str, axes: Sequence[AxisModel], dt: float,
@@ -22,7 +23,7 @@ def design(name: str, axes: Sequence[AxisModel], dt: float,
 
     axes    : one AxisModel per axis, of period dt [s]
     options : degree, L (samples between knots), mu, preview [samples], n_C, n_up, lead, tail of the spline methods;
-              rho, wt of contour; frequency, damping of shapers
+              rho, wt of contour; frequency, damping of shapers; terms, preview, zero_damping, smooth of inverses
     box     : limits that contour keeps; the other methods have none
 
     Raises ModelError where the method cannot work on the plant, ValueError for an unknown name or option.
@@ -34,6 +35,8 @@ def design(name: str, axes: Sequence[AxisModel], dt: float,
         return Uncompensated()
     if name in MAX_DAMPING:
         return shaper(name, [_shaped(axis, given) for axis in axes], dt)
+    if name in INVERSION_METHODS:
+        return inverse(name, axes, dt, given)
     if name == "contour":
         return contour(axes, dt, given, box)
     return axis_by_axis(name, axes, dt, given)

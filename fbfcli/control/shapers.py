@@ -9,14 +9,13 @@ half periods instead); the mean delay sum(A T) is taken out as in klippy/chelper
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
-from dataclasses import dataclass
 from math import exp, pi, sqrt
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from fbfcli.control.compensator import AT_REST, Stream
+from fbfcli.control.compensator import AT_REST
+from fbfcli.control.fir_compensator import FirCompensator
 from fbfcli.errors import ModelError
 
 V_TOL = 0.05  # vibration an EI shaper leaves at its design frequency
@@ -72,65 +71,7 @@ def _extra_insensitive(zeta: float, period: float) -> tuple[np.ndarray, np.ndarr
     return np.array([first, 1 - first - third, third]), np.array([0.0, middle * period, period])
 
 
-@dataclass(frozen=True)
-class Shaper:
-    """u[k] = sum_j taps[axis, j] y_d[k + lead - j]: impulses on the grid, each split between its two neighbours.
-
-    taps       : ndarray, shape (axes, lead + tail + 1)   weights, rows sum to 1
-    lead, tail : hold a stretch needs at its start and end, for its command to start and end at rest [samples]
-    """
-
-    name: str
-    taps: np.ndarray
-    lead: int
-    tail: int
-
-    settle = notice = 0
-
-    @property
-    def preview(self) -> int:
-        """Samples ahead that a command depends on."""
-        return self.lead
-
-    def start(self, y_0: np.ndarray) -> ShaperStream:
-        """A stretch that rests at y_0, shape (axes,) [mm], before it."""
-        return ShaperStream(self, np.array(y_0, float))
-
-    def resume(self, stream: Stream) -> Stream:
-        """A copy of a stretch, from where it is."""
-        return copy(stream)
-
-    def stiffer(self) -> None:
-        """A shaper has no weight to raise: its command is never rougher than its input."""
-
-
-class ShaperStream:
-    """One stretch of a Shaper: remembers the samples that later commands still hear."""
-
-    def __init__(self, design: Shaper, y_0: np.ndarray):
-        self._design, self._y_0 = design, y_0
-        self._y = np.zeros((design.tail, len(y_0)))
-        self._end = self._y_0  # the last desired position so far
-
-    def push(self, y_d: np.ndarray, weight: np.ndarray, last: bool) -> np.ndarray:
-        """Commands final now, shape (m, axes) [mm]; see Stream.push. Weights are ignored."""
-        lead, tail = self._design.lead, self._design.tail
-        self._end = y_d[-1] if len(y_d) else self._end
-        held = np.tile(self._end - self._y_0, (lead if last else 0, 1))
-        y = np.concatenate((self._y, y_d - self._y_0, held))
-        n = max(0, len(y) - lead - tail)
-        u = np.zeros((n, y.shape[1]))
-        for axis, taps in enumerate(self._design.taps):
-            for j in np.flatnonzero(taps):
-                u[:, axis] += taps[j] * y[lead + tail - j : lead + tail - j + n, axis]
-        self._y = y[n:]
-        u += self._y_0
-        if last and n:
-            u[-1] = self._end
-        return u
-
-
-def shaper(name: str, vibrations: Sequence[tuple[float, float]], dt: float) -> Shaper:
+def shaper(name: str, vibrations: Sequence[tuple[float, float]], dt: float) -> FirCompensator:
     """The named shaper for one (f, zeta) per axis at period dt [s]. Raises ModelError: see `impulses`."""
     made = [impulses(name, f, zeta) for f, zeta in vibrations]
     offsets = [(T - A @ T) / dt for A, T in made]
@@ -142,4 +83,5 @@ def shaper(name: str, vibrations: Sequence[tuple[float, float]], dt: float) -> S
         part = t + lead - j
         np.add.at(row, j, A * (1 - part))
         np.add.at(row, j + 1, A * part)
-    return Shaper(name, taps[:, :-1], lead, tail)  # the last column is zero: a whole offset has no right neighbour
+    taps = taps[:, :-1]  # the last column is zero: a whole offset has no right neighbour
+    return FirCompensator(name, taps, lead, tail)
