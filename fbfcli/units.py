@@ -2,3 +2,4 @@
 
 S_PER_MIN = 60.0
 MM_PER_INCH = 25.4
+GRAVITY = 9806.65  # mm/s^2 in one g, standard

@@ -1,12 +1,12 @@
-"""What a resonance test commands: acceleration that is constant or a chirp, piece by piece.
+"""What a resonance test commands: the velocity of one axis, exactly, at any time.
 
-a : acceleration [mm/s^2]     f : frequency [Hz]     c : sweep rate [Hz/s]
+a : acceleration [mm/s^2]     v : velocity [mm/s]     f : frequency [Hz]
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,10 +18,12 @@ class Sweep:
     name     : of the test, for people
     duration : [s]
     f0, f1   : lowest and highest frequency of the sweep [Hz]
-    velocity : velocity [mm/s] at times [s] (any shape); the command's exact first integral, so that an average
+    velocity : velocity [mm/s] at times [s] (any shape); the exact integral of the acceleration, so that a mean
                acceleration over any interval is a difference
     markers  : times at which synchronisation pulses begin [s]
-    segments : (begin, end) [s] of stretches of one amplitude each [mm/s^2] (begin, end, amplitude)
+    segments : (begin, end, amplitude) of stretches of one amplitude each [s, s, mm/s^2]; empty: one stretch
+    open_end : it is the beginning of a longer sweep; where the machine stopped is to be seen in the measurement
+    scalable : its amplitude is the firmware's default, which people change
     """
 
     name: str
@@ -31,8 +33,28 @@ class Sweep:
     velocity: Callable[[np.ndarray], np.ndarray]
     markers: tuple[float, ...] = ()
     segments: tuple[tuple[float, float, float], ...] = ()
+    open_end: bool = False
+    scalable: bool = False
 
 
 def acceleration(sweep: Sweep, t: np.ndarray, width: float) -> np.ndarray:
-    """Mean acceleration over `width` [s] around each time, shape of t [mm/s^2]."""
-    return (sweep.velocity(t + 0.5 * width) - sweep.velocity(t - 0.5 * width)) / width
+    """Mean acceleration over `width` [s] around each time, shape of t [mm/s^2].
+
+    A sampled square wave needs the mean: values at the sampling times alone would move each edge to a sample.
+    """
+    return np.asarray((sweep.velocity(t + 0.5 * width) - sweep.velocity(t - 0.5 * width)) / width)
+
+
+def piecewise(length: np.ndarray, a: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Velocity of constant accelerations `a`, shape (m,), one after the other for `length` [s] each; 0 outside."""
+    edge = np.concatenate([[0.0], np.cumsum(length)])
+    v = np.concatenate([[0.0], np.cumsum(length * a)])
+    return lambda t: np.interp(t, edge, v, left=0.0, right=0.0)
+
+
+def until(sweep: Sweep, end: float) -> Sweep:
+    """The sweep, stopped dead at `end` [s]."""
+    if end >= sweep.duration:
+        return sweep
+    whole = sweep.velocity
+    return replace(sweep, duration=end, velocity=lambda t: np.where(t < end, whole(t), 0.0), open_end=False)

@@ -1,0 +1,164 @@
+"""Where a command begins in a measurement, and how fast the two clocks run against each other.
+
+The command's time is  t_c = clock t + delay, t being the recording's. Three steps:
+1. coarse:  the largest correlation of command and measurement over clock and delay, where the machine is rigid;
+2. clock:   the one under which most of the measured power is a linear time-invariant function of the command,
+            J = sum_f |S_uy|^2 / S_uu. A wrong clock turns what the harmonics, or a second pass or marker, say of a
+            frequency against what the sweep says of it. No knowledge of the plant goes in;
+3. delay:   the largest correlation again. The plant's own delay at low frequencies, 2 zeta / omega_n of each mode, goes
+            into it: nothing can tell the two apart here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
+from scipy.signal import csd, welch
+
+from fbfcli.plant.excitation import Sweep, acceleration
+
+RIGID = (0.5, 15.0)  # Hz: below the modes of a printer, above the drift of a sensor
+COARSE_FS = 125.0  # Hz, of the correlation where the machine is rigid
+DRIFT = 0.25  # of a period at the top of that band: what one step of the coarse clock may be off at the ends
+WINDOW = 1.0  # s, of the spectra in J: longer than machines ring
+STEPS = ((30.0, 12), (80.0, 8), (200.0, 6))  # top of the band [Hz], steps to each side: finer as the band widens
+FINE_DELAY = 2e-5  # s, steps of the last search
+TOP = 250.0  # Hz: nothing above is looked at
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """t_c = clock t + delay; correlation (with sign) and gain where the machine is rigid."""
+
+    clock: float
+    delay: float
+    correlation: float
+    gain: float
+
+
+@dataclass(frozen=True)
+class Track:
+    """One uniformly sampled measurement: rate [Hz], values (n,) with mean removed, of time k / fs."""
+
+    fs: float
+    y: np.ndarray
+
+    @property
+    def t(self) -> np.ndarray:
+        return np.arange(len(self.y)) / self.fs
+
+
+def search(track: Track, sweep: Sweep, span: float) -> Alignment:
+    """The alignment of a whole measurement; `span`: how far the clock may be off, as a part of it."""
+    slow = decimated(track, COARSE_FS)
+    step = DRIFT / (RIGID[1] * 0.5 * min(sweep.duration, track.t[-1]))
+    clocks = 1.0 + step * np.arange(-np.ceil(span / step), np.ceil(span / step) + 1)
+    tried = [(abs(found[1]), clock, found[0]) for clock in clocks for found in [_correlated(slow, sweep, clock)]]
+    _, clock, delay = max(tried)
+    fast = decimated(track, 2.5 * TOP)
+    clock, delay = _refined(fast, sweep, clock, delay, step)
+    return _delayed(fast, sweep, clock, delay)
+
+
+def decimated(track: Track, fs: float) -> Track:
+    """At `fs` or less, nothing above four tenths of that left."""
+    n = len(track.y)
+    spectrum = rfft(track.y, next_fast_len(n + int(track.fs)))
+    m = int(np.ceil((2 * len(spectrum) - 2) * min(1.0, fs / track.fs)))
+    m += m % 2
+    if fs >= track.fs:
+        return track
+    f = rfftfreq(m)[: m // 2 + 1]
+    kept = spectrum[: m // 2 + 1] * np.clip((0.5 - f) / 0.1, 0.0, 1.0)
+    true = track.fs * m / (2 * len(spectrum) - 2)
+    return Track(true, irfft(kept, m)[: int(n * true / track.fs)] * (m / (2 * len(spectrum) - 2)))
+
+
+def _correlated(track: Track, sweep: Sweep, clock: float) -> tuple[float, float]:
+    """Delay of the largest correlation with the command under a clock, and that correlation with its sign."""
+    count = int(np.ceil(sweep.duration / clock * track.fs)) + 1
+    u = acceleration(sweep, clock * np.arange(count) / track.fs, clock / track.fs)
+    n = next_fast_len(count + len(track.y))
+    f = rfftfreq(n, 1 / track.fs)
+    band = (f > RIGID[0]) & (f < RIGID[1])
+    U, Y = rfft(u, n) * band, rfft(track.y, n) * band
+    r = irfft(Y * U.conj(), n)
+    at = int(np.argmax(np.abs(r)))
+    size = np.sqrt(np.sum(np.abs(U) ** 2) * np.sum(np.abs(Y) ** 2)) * 2 / n
+    shift = at - n if at > n // 2 else at
+    return -clock * shift / track.fs, float(r[at] / max(size, 1e-300))
+
+
+def _refined(track: Track, sweep: Sweep, clock: float, delay: float, step: float) -> tuple[float, float]:
+    """The clock that explains most, band by band; where the machine is rigid the alignment holds meanwhile."""
+    pivot = _pivot(track, sweep, clock, delay)
+    for top, count in STEPS:
+        if top > STEPS[0][0] and sweep.f1 < STEPS[0][0]:
+            break
+        grid = clock + step * np.linspace(-1.5, 1.5, 2 * count + 1)
+        explained = np.array([_explained(track, sweep, c, delay + (clock - c) * pivot, top) for c in grid])
+        best = _peak(grid, explained)
+        delay, clock = delay + (clock - best) * pivot, best
+        step = float(grid[1] - grid[0]) * 1.5
+    return clock, delay
+
+
+def _pivot(track: Track, sweep: Sweep, clock: float, delay: float) -> float:
+    """The time around which the rigid part of the measurement lies [s]: its delay is known, whatever the clock."""
+    spectrum = rfft(acceleration(sweep, clock * track.t + delay, clock / track.fs))
+    f = rfftfreq(len(track.y), 1 / track.fs)
+    low = irfft(spectrum * ((f > RIGID[0]) & (f < RIGID[1])), len(track.y)) ** 2
+    return float(np.sum(low * track.t) / max(np.sum(low), 1e-300))
+
+
+def _explained(track: Track, sweep: Sweep, clock: float, delay: float, top: float) -> float:
+    """J, up to `top` [Hz]."""
+    u = acceleration(sweep, clock * track.t + delay, clock / track.fs)
+    size = int(WINDOW * track.fs)
+    f, S_uy = csd(u, track.y, track.fs, nperseg=size, detrend="constant")
+    S_uu = welch(u, track.fs, nperseg=size, detrend="constant")[1]
+    band = (f >= 1.0) & (f <= min(top, 0.4 * track.fs)) & (S_uu > 1e-6 * S_uu.max())
+    return float(np.sum(np.abs(S_uy[band]) ** 2 / S_uu[band]))
+
+
+def _peak(x: np.ndarray, y: np.ndarray) -> float:
+    """Place of the maximum, by a parabola through it and its neighbours."""
+    i = int(np.argmax(y))
+    if not 0 < i < len(x) - 1:
+        return float(x[i])
+    left, here, right = y[i - 1 : i + 2]
+    bend = left - 2 * here + right
+    return float(x[i] + (0.5 * (left - right) / bend if bend else 0.0) * (x[1] - x[0]))
+
+
+def _delayed(track: Track, sweep: Sweep, clock: float, delay: float) -> Alignment:
+    """The delay of the largest correlation within a fraction of a period, that correlation, and the gain there.
+
+    Gain: |H| at the lowest frequencies, by a line over f^2: below its modes a machine's gain is 1 + (f / f_n)^2.
+    """
+    u = acceleration(sweep, clock * track.t + delay, clock / track.fs)
+    n = next_fast_len(2 * len(u))
+    f = rfftfreq(n, 1 / track.fs)
+    band = (f > RIGID[0]) & (f < RIGID[1])
+    U, Y = rfft(u, n)[band], rfft(track.y, n)[band]
+    cross = Y * U.conj()
+    lags = FINE_DELAY * np.arange(-500, 501)
+    coarse = lags[::20]
+    r = _real_sums(cross, f[band], coarse)
+    near = lags[np.abs(lags - coarse[np.argmax(np.abs(r))]) <= 20 * FINE_DELAY]
+    r = _real_sums(cross, f[band], near)
+    lag = _peak(near, np.abs(r))
+    best = float(r[np.argmax(np.abs(r))])
+    size = float(np.sqrt(np.sum(np.abs(U) ** 2) * np.sum(np.abs(Y) ** 2)))
+    weight = np.abs(U) ** 2
+    lines = np.column_stack([np.ones(band.sum()), f[band] ** 2]) * np.sqrt(weight)[:, None]
+    turned = (cross * np.exp(2j * np.pi * f[band] * lag)).real / np.maximum(np.sqrt(weight), 1e-300)
+    gain = float(np.linalg.lstsq(lines, turned, rcond=None)[0][0])
+    return Alignment(clock, delay - clock * lag, best / max(size, 1e-300), gain)
+
+
+def _real_sums(cross: np.ndarray, f: np.ndarray, lags: np.ndarray) -> np.ndarray:
+    """Correlation at each lag [s], shape of lags."""
+    return np.array([np.sum((cross * np.exp(2j * np.pi * f * lag)).real) for lag in lags])
