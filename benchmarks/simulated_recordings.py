@@ -6,20 +6,23 @@ Used by tests and by `identify_truth.py`.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
+from scipy.signal import freqz
 
 from fbfcli.plant.alignment import command_at
 from fbfcli.plant.excitation import Sweep
-from fbfcli.plant.model import Plant
 from fbfcli.plant.recording import Recording
+from fbfcli.printer import Mode
 from fbfcli.units import GRAVITY
 
 LSB = 3.9e-3 * GRAVITY
 RANGE = 16.0 * GRAVITY
-OVERSAMPLED = 4  # times the sensor's rate, at which the plant is computed
+OVERSAMPLED = 4  # times the sensor's rate, at which the motion is computed
+RINGS = 3.0  # s added, in which every machine comes to rest
 REST = (0.3, 1.5)  # s recorded before the test, at random between these
 AFTER = 0.7  # s recorded after it
 
@@ -50,17 +53,38 @@ def drawn_sensor(rng: np.random.Generator) -> Sensor:
                   tilt=np.radians(rng.uniform(0.0, 5.0)), noise=0.05)  # fmt: skip
 
 
-def rate_of_plant(sensor: Sensor) -> float:
-    """Rate [Hz] at which the plant must be given to `recorded`."""
-    return OVERSAMPLED * sensor.fs
+Response = Callable[[np.ndarray], np.ndarray]  # complex response at frequencies [Hz]
 
 
-def recorded(sweep: Sweep, plant: Plant, sensor: Sensor, axis: str, rng: np.random.Generator) -> Recording:
-    """A recording as Klipper writes it. plant.dt must be 1 / rate_of_plant(sensor)."""
-    fs = 1.0 / plant.dt
+def modal(modes: Sequence[Mode]) -> Response:
+    """The response of a sum of modes."""
+
+    def response(f: np.ndarray) -> np.ndarray:
+        parts = [mode.gain / (1 - (f / mode.frequency) ** 2 + 2j * mode.damping * f / mode.frequency) for mode in modes]
+        return np.asarray(sum(parts))
+
+    return response
+
+
+def discrete(b: Sequence[float], a: Sequence[float], dt: float) -> Response:
+    """The response of a discrete transfer function; past its Nyquist frequency it falls with f^2."""
+    top = 0.5 / dt
+
+    def response(f: np.ndarray) -> np.ndarray:
+        within = np.minimum(f, 0.999 * top)
+        return np.asarray(freqz(b, a, within, fs=2 * top)[1] * np.minimum(1.0, top / np.maximum(f, 1e-9)) ** 2)
+
+    return response
+
+
+def recorded(sweep: Sweep, response: Response, sensor: Sensor, axis: str, rng: np.random.Generator) -> Recording:
+    """A recording as Klipper writes it."""
+    fs = OVERSAMPLED * sensor.fs
     before = rng.uniform(*REST)
     t = np.arange(int((before + sweep.duration + AFTER) * fs)) / fs
-    a = lfilter(plant.b, plant.a, command_at(sweep, t - before, plant.dt))
+    size = next_fast_len(int(len(t) + RINGS * fs), real=True)
+    command = command_at(sweep, t - before, 1 / fs)
+    a = irfft(rfft(command, size) * response(rfftfreq(size, 1 / fs)), size)[: len(t)]
     n = int((t[-1] - 2 / sensor.fs) * sensor.fs) - 2
     k = np.arange(n) + sensor.jitter * rng.standard_normal(n)
     moved = np.interp((k + 1) / sensor.fs, t, _band_limited(a))

@@ -22,8 +22,10 @@ from fbfcli.plant.excitation import Sweep, acceleration
 RIGID = (0.5, 15.0)  # Hz: below the modes of a printer, above the drift of a sensor
 COARSE_FS = 125.0  # Hz, of the correlation where the machine is rigid
 DRIFT = 0.25  # of a period at the top of that band: what one step of the coarse clock may be off at the ends
-WINDOW = 1.0  # s, of the spectra in J: longer than machines ring
-STEPS = ((30.0, 12), (80.0, 8), (200.0, 6))  # top of the band [Hz], steps to each side: finer as the band widens
+WINDOW = 8.0  # s, of the spectra in J: a hundred times what a machine's response lags, lest J reward following it
+WINDOWS = 6  # at least, in one recording
+SEARCHES = ((30.0, 20.0, 36), (80.0, 1.0, 8), (200.0, 0.5, 8))  # band to [Hz], width in steps of the last, steps each side
+NEIGHBOURS = 4  # on each side of a largest value, through which a parabola is laid
 FINE_DELAY = 2e-5  # s, steps of the last search
 TOP = 250.0  # Hz: nothing above is looked at
 
@@ -94,14 +96,14 @@ def _correlated(track: Track, sweep: Sweep, clock: float) -> tuple[float, float]
 def _refined(track: Track, sweep: Sweep, clock: float, delay: float, step: float) -> tuple[float, float]:
     """The clock that explains most, band by band; where the machine is rigid the alignment holds meanwhile."""
     pivot = _pivot(track, sweep, clock, delay)
-    for top, count in STEPS:
-        if top > STEPS[0][0] and sweep.f1 < STEPS[0][0]:
+    for top, width, count in SEARCHES:
+        if sweep.f1 < 0.4 * top:
             break
-        grid = clock + step * np.linspace(-1.5, 1.5, 2 * count + 1)
-        explained = np.array([_explained(track, sweep, c, delay + (clock - c) * pivot, top) for c in grid])
-        best = _peak(grid, explained)
-        delay, clock = delay + (clock - best) * pivot, best
-        step = float(grid[1] - grid[0]) * 1.5
+        offsets = width * step * np.linspace(-1.0, 1.0, 2 * count + 1)
+        explained = [_explained(track, sweep, clock + o, delay - o * pivot, top) for o in offsets]
+        best = _top(offsets, np.array(explained))
+        clock, delay = clock + best, delay - best * pivot
+        step = float(offsets[1] - offsets[0]) * 3
     return clock, delay
 
 
@@ -116,21 +118,20 @@ def _pivot(track: Track, sweep: Sweep, clock: float, delay: float) -> float:
 def _explained(track: Track, sweep: Sweep, clock: float, delay: float, top: float) -> float:
     """J, up to `top` [Hz]."""
     u = acceleration(sweep, clock * track.t + delay, clock / track.fs)
-    size = int(WINDOW * track.fs)
+    size = int(min(WINDOW, track.t[-1] / WINDOWS) * track.fs)
     f, S_uy = csd(u, track.y, track.fs, nperseg=size, detrend="constant")
     S_uu = welch(u, track.fs, nperseg=size, detrend="constant")[1]
     band = (f >= 1.0) & (f <= min(top, 0.4 * track.fs)) & (S_uu > 1e-6 * S_uu.max())
     return float(np.sum(np.abs(S_uy[band]) ** 2 / S_uu[band]))
 
 
-def _peak(x: np.ndarray, y: np.ndarray) -> float:
-    """Place of the maximum, by a parabola through it and its neighbours."""
+def _top(x: np.ndarray, y: np.ndarray) -> float:
+    """Place of the maximum of noisy values at even places: of a parabola through those around the largest."""
     i = int(np.argmax(y))
-    if not 0 < i < len(x) - 1:
-        return float(x[i])
-    left, here, right = y[i - 1 : i + 2]
-    bend = left - 2 * here + right
-    return float(x[i] + (0.5 * (left - right) / bend if bend else 0.0) * (x[1] - x[0]))
+    near = slice(max(i - NEIGHBOURS, 0), i + NEIGHBOURS + 1)
+    bend, slope, _ = np.polyfit(x[near] - x[i], y[near], 2)
+    place = -0.5 * slope / bend if bend < 0 else 0.0
+    return float(np.clip(x[i] + place, x[near][0], x[near][-1]))
 
 
 def _delayed(track: Track, sweep: Sweep, clock: float, delay: float) -> Alignment:
@@ -149,7 +150,7 @@ def _delayed(track: Track, sweep: Sweep, clock: float, delay: float) -> Alignmen
     r = _real_sums(cross, f[band], coarse)
     near = lags[np.abs(lags - coarse[np.argmax(np.abs(r))]) <= 20 * FINE_DELAY]
     r = _real_sums(cross, f[band], near)
-    lag = _peak(near, np.abs(r))
+    lag = _top(near, np.abs(r))
     best = float(r[np.argmax(np.abs(r))])
     size = float(np.sqrt(np.sum(np.abs(U) ** 2) * np.sum(np.abs(Y) ** 2)))
     weight = np.abs(U) ** 2
