@@ -1,0 +1,86 @@
+"""Tests by name, as people give them: klipper, klipper:f1=100,accel_per_hz=75, marlin, ulendo; or the CSV of `fbf excite`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from difflib import get_close_matches
+from inspect import signature
+from math import isfinite
+
+import numpy as np
+
+from fbfcli.errors import RecordingError
+from fbfcli.plant.chirps import marlin_test, ulendo_sweep
+from fbfcli.plant.excitation import Sweep, piecewise
+from fbfcli.plant.klipper_test import klipper_test, klipper_test_2020
+from fbfcli.plant.text_table import read_table, text_of
+
+TESTS: dict[str, Callable[..., Sweep]] = {
+    "klipper": klipper_test,
+    "klipper-2020": klipper_test_2020,
+    "marlin": marlin_test,
+    "ulendo": ulendo_sweep,
+}
+HELD = "each value holds until the next row's time"
+SWEPT = "sweep of"  # a comment of the CSV: sweep of 3500 mm/s^2 from 12.5 to 43.75 s
+
+
+def named_sweep(words: str) -> Sweep:
+    """The test that `name` or `name:key=value,...` names. RecordingError with what would be right."""
+    name, _, settings = words.partition(":")
+    if name not in TESTS:
+        near = get_close_matches(name, TESTS, n=1)
+        raise RecordingError(f"no test {name!r}", remedy=f"did you mean {near[0]}?" if near else
+                             f"known are {', '.join(TESTS)}, or the CSV that `fbf excite` wrote")  # fmt: skip
+    keys = list(signature(TESTS[name]).parameters)
+    given: dict[str, float] = {}
+    for setting in filter(None, settings.split(",")):
+        key, _, value = (part.strip() for part in setting.partition("="))
+        if key not in keys:
+            raise RecordingError(f"{name} has no {key!r}", remedy=f"it has {', '.join(keys)}")
+        try:
+            given[key] = float(value)
+        except ValueError:
+            raise RecordingError(f"{key} of {name} is no number: {value!r}", remedy=f"such as {key}=5") from None
+        if not isfinite(given[key]) or given[key] < 0:
+            raise RecordingError(f"{key} of {name} must not be {value}", remedy=f"such as {key}=5")
+    missing = [key for key, one in signature(TESTS[name]).parameters.items()
+               if one.default is one.empty and key not in given]  # fmt: skip
+    if missing:
+        raise RecordingError(f"{name} needs {', '.join(missing)}", remedy=f"such as {name}:{missing[0]}=5,...")
+    sweep = _checked(name, given)
+    return sweep
+
+
+def _checked(name: str, given: dict[str, float]) -> Sweep:
+    if not 0.5 <= given.get("f0", 5.0) < given.get("f1", 1e3) <= 1e3 or 0.0 in (
+        given.get("hz_per_sec"), given.get("dfdt"), given.get("octave")):  # fmt: skip
+        raise RecordingError(f"{name}: frequencies must rise from 0.5 Hz or more, to 1000 Hz at most",
+                             remedy=f"such as {name}:f0=5,f1=100")  # fmt: skip
+    return TESTS[name](**given)
+
+
+def sweep_csv(edge: np.ndarray, a: np.ndarray, axis: str, about: list[str]) -> str:
+    """Accelerations `a` from each `edge` on, shape (m,), as text; `about`: comments."""
+    rows = ["%.7f,%.3f" % row for row in zip(edge.tolist(), a.tolist(), strict=True)]
+    head = [f"# {line}" for line in (*about, HELD)]
+    return "\n".join([*head, f"time_s,accel_cmd_{axis}_mm/s2", *rows, ""])
+
+
+def sweep_of_csv(data: bytes, name: str) -> Sweep:
+    """The command that a CSV of time and acceleration holds: written by `sweep_csv`, or sampled evenly by anything."""
+    table = read_table(text_of(data, name), name)
+    if table.values.shape[1] != 2:
+        raise table.error("a command has two columns, time and acceleration", 0, "give the CSV of `fbf excite`")
+    t, a = table.values.T
+    step = np.diff(t)
+    for row in np.flatnonzero(step <= 0)[:1]:
+        raise table.error("time does not rise", int(row) + 1, "cut the line out")
+    if len(t) < 3 or not a.any():
+        raise table.error("it commands nothing", 0, "give the CSV of `fbf excite`")
+    if HELD not in table.comments:  # samples: the mean of a period around each
+        t, step = t - 0.5 * step[0], np.append(step, step[-1])[: len(step)]
+    segments = tuple((float(w[4]), float(w[6]), float(w[2])) for w in map(str.split, table.comments)
+                     if len(w) > 6 and " ".join(w[:2]) == SWEPT)  # fmt: skip
+    velocity = piecewise(step, a[:-1])
+    return Sweep("the sweep of " + name, float(t[-1] - t[0]), 5.0, 200.0, velocity, segments=segments)
