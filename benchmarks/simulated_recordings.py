@@ -1,7 +1,7 @@
 """Recordings of machines whose truth is known: a test's command through a plant, seen by an ADXL345.
 
-The sensor: 3.9 mg per step, a range of +-16 g, its own clock, jitter, gravity, tilt, noise, and a start that nobody knows.
-Used by tests and by `identify_truth.py`.
+The sensor: 3.9 mg per step, a range of +-16 g, its own clock, jitter, gravity, tilt, noise, and a start that nobody
+knows. Used by tests and by `identify_truth.py`.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def recorded(sweep: Sweep, response: Response, sensor: Sensor, axis: str, rng: n
 def as_klipper_csv(recording: Recording) -> bytes:
     """The text that Klipper would have written."""
     rows = np.column_stack([recording.t + 531.946083, recording.measured])
-    lines = ["%.6f,%.6f,%.6f,%.6f" % tuple(row) for row in rows.tolist()]
+    lines = [f"{t:.6f},{x:.6f},{y:.6f},{z:.6f}" for t, x, y, z in rows.tolist()]
     return "\n".join(["#time,accel_x,accel_y,accel_z", *lines, ""]).encode()
 
 

@@ -15,7 +15,7 @@ from fbfcli.gcode.sweep_file import SweepFile, sweep_file
 from fbfcli.motion.moves import moves_xy
 from fbfcli.motion.planner import Planner
 from fbfcli.motion.travel import check_travel
-from fbfcli.plant.square_sweep import Swings, SweepSettings, frequencies_of, swings
+from fbfcli.plant.square_sweep import SweepSettings, Swings, frequencies_of, swings
 from fbfcli.plant.sweep_spec import SWEPT, sweep_csv
 from fbfcli.printer import Limits, Printer
 
@@ -24,7 +24,7 @@ MARLIN_STEPS = 6  # Marlin merges or drops moves of fewer
 STEPS = 2  # elsewhere: less is no square wave any more
 ROOM = 0.8  # of the travel that a sweep may take
 BUSY = 0.9  # of the segments that the firmware takes per second
-OFF = 0.1  # of a swing's duration that the planner's answer may be off, rms: more is another test than the one meant
+OFF = 0.1  # of a swing's duration that the planner's answer may be off, rms: more is another test
 NO_PHASE = 1e-6  # s: shorter phases are rounding
 FASTEST = 300.0  # mm/s where the profile does not say
 
@@ -68,7 +68,7 @@ class ExciteSummary:
             f"sweeps:   {'; '.join(rows)}",
             f"motion:   {self.duration:.0f} s, {self.moves} moves, {self.reach:.1f} mm around the middle, "
             f"{self.speed:.0f} mm/s at most",
-            f"planner:  swings last as long as they should within {100 * self.off:.2f} % rms; the CSV has the planner's times",
+            f"planner:  swings last as long as they should to {100 * self.off:.2f} % rms; the CSV has the planner's times",
             *(f"note:     {note}" for note in self.notes),
         ])  # fmt: skip
 
@@ -88,7 +88,7 @@ def excite(printer: Printer, axis: str, f0: float, f1: float, rate: float, accel
         raise LimitError(f"the sweep needs {np.ptp(way):.0f} mm of {axis.upper()}, whose travel is {high - low:g} mm; "
                          "start at a higher --from")  # fmt: skip
     about = [f"fbf {__version__} excite: sweeps of {axis.upper()} for {printer.name}",
-             "homes, goes to the middle and shakes: take everything off the bed, and keep a hand at the switch"]  # fmt: skip
+             "homes, goes to the middle and shakes: clear the bed, and keep a hand at the switch"]  # fmt: skip
     file = sweep_file(printer, index, plan, float(start), about)
     edge, a, v, begins = executed(file, printer, index)
     off = _off(plan, begins)
@@ -100,7 +100,7 @@ def excite(printer: Printer, axis: str, f0: float, f1: float, rate: float, accel
         inside = np.flatnonzero(plan.part == number)
         told.append(f"{SWEPT} {size:g} from {begins[inside[0]]:.4f} to {begins[inside[-1] + 1]:.4f} s")
     made = ExciteSummary(printer.name, axis, float(edge[-1]), len(plan),
-                         tuple((size, *map(float, frequencies_of(settings, size))) for size in settings.accelerations),
+                         tuple((size, *frequencies_of(settings, size)) for size in settings.accelerations),
                          float(v.max()), float(0.5 * np.ptp(way)), off, tuple(notes))  # fmt: skip
     return Excited(file.text, sweep_csv(edge, a, axis, [about[0], *told]), made)
 
@@ -149,7 +149,7 @@ def _within(printer: Printer, axis: int, f0: float, f1: float, rate: float, acce
     settings = SweepSettings(f0, min(f1, 0.5 * BUSY * printer.segments_per_second), rate, chosen,
                              v if isfinite(v) else FASTEST, steps / one.steps_per_mm)  # fmt: skip
     if settings.f1 < f1:
-        notes.append(f"the firmware takes {printer.segments_per_second:g} moves a second: up to {settings.f1:.0f} Hz only")
+        notes.append(f"the firmware takes {printer.segments_per_second:g} moves a second: to {settings.f1:.0f} Hz only")
     for a in chosen:
         first, last = frequencies_of(settings, a)
         if last < 2 * first:

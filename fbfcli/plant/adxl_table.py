@@ -9,8 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-import numpy as np
-
 from fbfcli.plant.column_names import Column, of_role
 from fbfcli.plant.recording import ReadOptions, Recording
 from fbfcli.plant.sensor import UNITS, oddities, unit_by_gravity
@@ -25,7 +23,7 @@ def adxl(table: TextTable, columns: Sequence[Column], options: ReadOptions) -> R
     """One capture. The unit is the one named, else that in which the sensor shows one g."""
     which = of_role(columns, "measured")
     clock = _clock(table, columns, options)
-    values = table.values[np.ix_(clock.keep, which)]
+    values = table.values[clock.keep][:, which]
     named = next((columns[i].unit for i in which if columns[i].unit in UNITS), None)
     unit = options.unit or named or (unit_by_gravity(values) if len(which) == 3 else None)
     if unit is None:

@@ -81,7 +81,7 @@ def paired(recording: Recording, sweep: Sweep | None = None, axis: str | None = 
     if abs(alignment.correlation) < LEAST_CORRELATION:
         names = " or ".join(one.name for one in tests)
         raise RecordingError(f"{names} is not found in it: correlation {alignment.correlation:.2f}",
-                             file=recording.name, remedy="give the test that was run with --sweep, and --axis")  # fmt: skip
+                             file=recording.name, remedy="give the test that was run with --sweep")  # fmt: skip
     return _rebuilt(recording, response, alignment, test, moved)
 
 
@@ -138,9 +138,9 @@ def _rebuilt(recording: Recording, response: np.ndarray, found: Alignment, test:
     if not LOOSE_GAIN[0] < gain < LOOSE_GAIN[1]:
         if test.scalable:
             u = u * gain
-            notes.append(f"the command is taken to be {gain:.2f} times the firmware's default: the machine follows it so")
+            notes.append(f"the command is taken to be {gain:.2f} times the default: the machine follows it so")
         else:
-            notes.append(f"the gain is {gain:.2f} where the machine is rigid: is the unit, or the test's amplitude, right?")
+            notes.append(f"the gain is {gain:.2f} where the machine is rigid: are unit and amplitude of the test right?")
     first = t[keep][0]
     rows = [(int((a - first) / step), int(np.ceil((b - first) / step)), size) for a, b, size in test.segments]
     return Pair(1 / step, u, y - y.mean(axis=0), recording.columns, moved, found.delay, found.clock, found.correlation,

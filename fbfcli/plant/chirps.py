@@ -16,7 +16,7 @@ TURN = 2 * np.pi
 def marlin_test(
     f0: float = 5.0, f1: float = 100.0, octave: float = 40.0, accel_per_hz: float = 60.0, correction: float = 5.0
 ) -> Sweep:
-    """M495: p = C A / (4 pi^2 f) sin(2 pi f t) with f = f0 2^(t / octave), src/module/ft_motion/trajectory_resonance.cpp.
+    """M495: p = C A / (4 pi^2 f) sin(2 pi f t), f = f0 2^(t / octave): Marlin's ft_motion/trajectory_resonance.cpp.
 
     The phase is f t and not the integral of f, so the frequency that the machine sees is f (1 + t ln 2 / octave).
     """

@@ -24,7 +24,8 @@ COARSE_FS = 125.0  # Hz, of the correlation where the machine is rigid
 DRIFT = 0.25  # of a period at the top of that band: what one step of the coarse clock may be off at the ends
 WINDOW = 8.0  # s, of the spectra in J: a hundred times what a machine's response lags, lest J reward following it
 WINDOWS = 6  # at least, in one recording
-SEARCHES = ((30.0, 20.0, 36), (80.0, 1.0, 8), (200.0, 0.5, 8))  # band to [Hz], width in steps of the last, steps each side
+# of J: top of the band [Hz], width to each side in steps of the search before, steps to each side
+SEARCHES = ((30.0, 20.0, 36), (80.0, 1.0, 8), (200.0, 0.5, 8))
 NEIGHBOURS = 4  # on each side of a largest value, through which a parabola is laid
 FINE_DELAY = 2e-5  # s, steps of the last search
 TOP = 250.0  # Hz: nothing above is looked at

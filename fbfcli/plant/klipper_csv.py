@@ -27,7 +27,7 @@ def klipper_raw(table: TextTable, columns: Sequence[Column]) -> Recording:
     clock = time_base(table.values[:, of_role(columns, "time")[0]], "s", table)
     which = of_role(columns, "measured")
     names = tuple(columns[i].axis for i in which)
-    measured = table.values[np.ix_(clock.keep, which)]
+    measured = table.values[clock.keep][:, which]
     notes = (*table.notes, *clock.notes, *oddities(measured, names, table.line[clock.keep]))
     return Recording("klipper raw", table.name, clock.fs, clock.t, measured, names, notes=notes)
 

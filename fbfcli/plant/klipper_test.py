@@ -1,11 +1,11 @@
 """Klipper's TEST_RESONANCES: a square wave of acceleration whose frequency rises.
 
-Facts: klippy/extras/resonance_tester.py. Each frequency f lasts half a period in two quarters t = 1/(4f) of acceleration
-+-accel_per_hz f; the next f is 2 t hz_per_sec higher.
-- Before the end of 2024 a half period is two moves of length a t^2 / 2, out from the centre and back: the planner brakes,
-  then accelerates, and only the first and the last move are from rest to rest.
-- Since then the moves are laid out in time, and a slow square wave of `sweeping_accel` may be added to them, so that the
-  machine moves a few centimetres to and fro.
+Facts: klippy/extras/resonance_tester.py. Each frequency f lasts half a period, in two quarters t = 1/(4f) of
+acceleration +-accel_per_hz f; the next f is 2 t hz_per_sec higher.
+- Before the end of 2024 a half period is two moves of length a t^2 / 2, out from the centre and back: the planner
+  brakes, then accelerates, and only the first and the last move are from rest to rest.
+- Since then the moves are laid out in time, and a slow square wave of `sweeping_accel` may be added to them, so that
+  the machine moves a few centimetres to and fro.
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ instead of pausing: a dwell (G4) has no exact length in Marlin and RepRapFirmwar
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
@@ -63,7 +64,7 @@ def frequencies_of(settings: SweepSettings, a: float) -> tuple[float, float]:
 
     At f the speed reaches a / (4 f) and a swing is a / (16 f^2) long.
     """
-    return max(settings.f0, a / (4 * PEAK * settings.velocity)), min(settings.f1, np.sqrt(a / settings.shortest) / 4)
+    return max(settings.f0, a / (4 * PEAK * settings.velocity)), min(settings.f1, sqrt(a / settings.shortest) / 4)
 
 
 def swings(settings: SweepSettings) -> Swings:
@@ -81,8 +82,8 @@ def swings(settings: SweepSettings) -> Swings:
     distance = np.concatenate([block for block, _ in blocks])
     part = np.concatenate([np.full(len(block), number) for block, number in blocks])
     speed = np.where(distance == creep[0], CREEP_V, v)
-    a = np.where(part > 0, np.array([hardest, *settings.accelerations])[part], hardest)
-    return Swings(distance * np.where(np.arange(len(distance)) % 2, -1.0, 1.0), a, speed, part)
+    acceleration = np.array([hardest, *settings.accelerations])[part]
+    return Swings(distance * np.where(np.arange(len(distance)) % 2, -1.0, 1.0), acceleration, speed, part)
 
 
 def half_periods(f0: float, f1: float, rate: float) -> np.ndarray:

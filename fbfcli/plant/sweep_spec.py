@@ -1,4 +1,4 @@
-"""Tests by name, as people give them: klipper, klipper:f1=100,accel_per_hz=75, marlin, ulendo; or the CSV of `fbf excite`."""
+"""Tests as people name them: klipper, klipper:f1=100,accel_per_hz=75, marlin, ulendo; or the CSV of `fbf excite`."""
 
 from __future__ import annotations
 
@@ -48,8 +48,7 @@ def named_sweep(words: str) -> Sweep:
                if one.default is one.empty and key not in given]  # fmt: skip
     if missing:
         raise RecordingError(f"{name} needs {', '.join(missing)}", remedy=f"such as {name}:{missing[0]}=5,...")
-    sweep = _checked(name, given)
-    return sweep
+    return _checked(name, given)
 
 
 def _checked(name: str, given: dict[str, float]) -> Sweep:
@@ -62,7 +61,7 @@ def _checked(name: str, given: dict[str, float]) -> Sweep:
 
 def sweep_csv(edge: np.ndarray, a: np.ndarray, axis: str, about: list[str]) -> str:
     """Accelerations `a` from each `edge` on, shape (m,), as text; `about`: comments."""
-    rows = ["%.7f,%.3f" % row for row in zip(edge.tolist(), a.tolist(), strict=True)]
+    rows = [f"{t:.7f},{value:.3f}" for t, value in zip(edge.tolist(), a.tolist(), strict=True)]
     head = [f"# {line}" for line in (*about, HELD)]
     return "\n".join([*head, f"time_s,accel_cmd_{axis}_mm/s2", *rows, ""])
 

@@ -12,7 +12,7 @@ FEWEST = 32  # samples; less is no recording
 GAP = 1.75  # median periods between two samples: one is missing
 JITTER = 0.25  # of a period, rms: more is told
 REPEATED = 0.3  # of all times: then they are those of batches, not of samples
-MS_STEP, US_STEP = 0.5, 100.0  # a clock without a unit that steps by more counts ms, us: no motion is recorded so slowly
+MS_STEP, US_STEP = 0.5, 100.0  # a clock without a unit that steps by more counts ms, us: motion needs 10 Hz
 UNITS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
 
 
