@@ -44,13 +44,13 @@ class TextTable:
 
 def text_of(data: bytes, name: str) -> str:
     """The file as text. RecordingError where it is none."""
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return data.decode("utf-16", errors="replace")
-    if not data.strip():
-        raise RecordingError("is empty", file=name, remedy="record again; the sensor sent nothing")
-    if b"\0" in data[:4096]:
+    wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    if not wide and b"\0" in data[:4096]:
         raise RecordingError("is not text", file=name, remedy="export the recording as CSV")
-    return data.decode("utf-8-sig", errors="replace")
+    text = data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
+    if not text.strip():
+        raise RecordingError("is empty", file=name, remedy="record again; the sensor sent nothing")
+    return text
 
 
 def read_table(text: str, name: str) -> TextTable:

@@ -69,7 +69,8 @@ def _rate(t: np.ndarray, line: np.ndarray) -> tuple[float, list[str]]:
     """fs by regression of the times on the count of periods, missing samples counted; gaps and jitter in words."""
     step = np.diff(t)
     period = float(np.median(step))
-    wide = np.flatnonzero(step > GAP * period)
+    around = np.convolve(step, np.ones(3), "same")  # under jitter a long step stands beside short ones; after a gap not
+    wide = np.flatnonzero((step > GAP * period) & (around > (2.0 + 0.8 * GAP) * period))
     count = np.ones(len(step))
     count[wide] = np.round(step[wide] / period)
     k = np.concatenate([[0.0], np.cumsum(count)])

@@ -8,17 +8,19 @@ from __future__ import annotations
 import base64
 import binascii
 import json
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from fbfcli.errors import RecordingError
-from fbfcli.plant.chirps import ulendo_sweep
+from fbfcli.plant.chirps import RUN_IN, ulendo_sweep
 from fbfcli.plant.recording import Read, Recording, ResponseTable
 from fbfcli.plant.sensor import oddities
 
 NOMINAL = 1600.0  # Hz: what the plug-in sets; the sensor's own clock is up to some per cent off
 MS_PER_S = 1e3
+HIGHEST = 1e3  # Hz, of a sweep
 TURN = 2 * np.pi
 SWEEP_KEYS = ("f0", "f1", "dfdt", "a", "step_ti", "step_a", "dly1_ti", "dly2_ti", "dly3_ti")
 
@@ -42,6 +44,9 @@ def _request(whole: dict[str, Any], name: str) -> Recording:
         given = {key: float(settings[key]) for key in SWEEP_KEYS}
     except (KeyError, TypeError, ValueError) as why:
         raise RecordingError(f"SWEEP_CFG does not define the sweep: {why}", file=name, remedy="record again") from None
+    if not (all(map(isfinite, given.values())) and min(given.values()) >= 0 and given["dfdt"] > 0
+            and RUN_IN < given["f0"] < given["f1"] < HIGHEST):  # fmt: skip
+        raise RecordingError(f"SWEEP_CFG is no sweep: {settings}", file=name, remedy="frequencies must rise")
     for key in [key for key in given if key.endswith("_ti")]:
         given[key] /= MS_PER_S
     axes = {axis: _samples(whole, f"{axis.upper()}AXISRESPONSE", name) for axis in "xyz"}
