@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fbfcli.errors import RecordingError
-from fbfcli.plant.clock_search import Alignment, Track, search
+from fbfcli.plant.clock_search import Alignment, Coarse, Track, coarse, refined
 from fbfcli.plant.excitation import Sweep, acceleration, until
 from fbfcli.plant.klipper_test import klipper_test, klipper_test_2020
 from fbfcli.plant.recording import Recording
@@ -36,6 +36,7 @@ class Pair:
     clock       : seconds of the command's clock in one of the recording's
     correlation : of command and measurement where the machine is rigid; 1 for a recorded pair
     segments    : (begin, end, amplitude) in samples of stretches of one amplitude; empty: one
+    sweep       : what was commanded; None for a recorded pair
     notes       : of the recording, and of the alignment
     """
 
@@ -48,6 +49,7 @@ class Pair:
     clock: float = 1.0
     correlation: float = 1.0
     segments: tuple[tuple[int, int, float], ...] = ()
+    sweep: Sweep | None = None
     notes: tuple[str, ...] = ()
 
 
@@ -71,28 +73,23 @@ def paired(recording: Recording, sweep: Sweep | None = None, axis: str | None = 
         raise RecordingError("nothing is known of the command", file=recording.name,
                              remedy="give the test that was run with --sweep")  # fmt: skip
     known = sweep or recording.sweep
-    tests = (known,) if known else (klipper_defaults(), klipper_2020_defaults())
+    tests = (known,) if known else klipper_defaults()
     if len(response) < SHORTEST * recording.fs:
         raise RecordingError(f"{len(response) / recording.fs:.1f} s are too short to hold a sweep", file=recording.name,
                              remedy="record the whole test")  # fmt: skip
     track = Track(recording.fs, response[:, recording.columns.index(moved)])
-    found = [_found(track, test, SPAN.get(recording.kind, SPAN_TIMED)) for test in tests]
-    alignment, test = max(found, key=lambda one: abs(one[0].correlation))
-    if abs(alignment.correlation) < LEAST_CORRELATION:
-        names = " or ".join(one.name for one in tests)
-        raise RecordingError(f"{names} is not found in it: correlation {alignment.correlation:.2f}",
+    start, test = _likeliest(track, tests, SPAN.get(recording.kind, SPAN_TIMED))
+    if start.correlation < LEAST_CORRELATION:
+        names = " or ".join(sorted({one.name for one in tests}))
+        raise RecordingError(f"{names} is not found in it: correlation {start.correlation:.2f}",
                              file=recording.name, remedy="give the test that was run with --sweep")  # fmt: skip
-    return _rebuilt(recording, response, alignment, test, moved)
+    return _rebuilt(recording, response, refined(track, test, start), test, moved)
 
 
-def klipper_defaults() -> Sweep:
-    """TEST_RESONANCES as it comes, to the highest frequency that it takes."""
-    return replace(klipper_test(f1=300.0), open_end=True, scalable=True)
-
-
-def klipper_2020_defaults() -> Sweep:
-    """TEST_RESONANCES as it came before 2025."""
-    return replace(klipper_test_2020(f1=200.0), open_end=True, scalable=True)
+def klipper_defaults() -> tuple[Sweep, ...]:
+    """TEST_RESONANCES as it comes and came, to the highest frequency that it takes."""
+    tests = klipper_test(f1=300.0), klipper_test(f1=300.0, sweeping_period=0.0), klipper_test_2020(f1=300.0)
+    return tuple(replace(test, open_end=True, scalable=True) for test in tests)
 
 
 def _even(recording: Recording, values: np.ndarray) -> np.ndarray:
@@ -104,22 +101,20 @@ def _even(recording: Recording, values: np.ndarray) -> np.ndarray:
     return np.column_stack([np.interp(even, k, column) for column in values.T])
 
 
-def _found(track: Track, test: Sweep, span: float) -> tuple[Alignment, Sweep]:
-    """The alignment of a test; one with an open end is cut where the machine stopped."""
-    alignment = search(track, test, span)
-    if test.open_end:
-        stopped = alignment.clock * _stopped(track) + alignment.delay
-        if 0 < stopped < test.duration:
-            test = until(test, stopped)
-            alignment = search(track, test, span)
-    return alignment, test
+def _likeliest(track: Track, tests: tuple[Sweep, ...], span: float) -> tuple[Coarse, Sweep]:
+    """The test that correlates best, and where; one with an open end is cut before the machine stopped."""
+    long = track.t[-1] * (1 + span)
+    tests = tuple(until(test, long) if test.open_end else test for test in tests)
+    start, test = max(((coarse(track, test, span), test) for test in tests), key=lambda one: one[0].correlation)
+    stopped = start.clock * (_stopped(track) - STILL_WINDOW) + start.delay
+    return start, until(test, stopped) if test.open_end and stopped > 0 else test
 
 
 def _stopped(track: Track) -> float:
     """When the shaking is over [s]."""
     size = max(1, int(STILL_WINDOW * track.fs))
     rms = np.sqrt(np.add.reduceat(track.y**2, np.arange(0, len(track.y), size)) / size)
-    moving = np.flatnonzero(rms > STILL * np.percentile(rms, 75))
+    moving = np.flatnonzero(rms >= STILL * np.percentile(rms, 75))
     return float((moving[-1] + 1) * size / track.fs)
 
 
@@ -127,7 +122,7 @@ def _rebuilt(recording: Recording, response: np.ndarray, found: Alignment, test:
     """The pair, around the sweep, with what is to be told of the alignment."""
     n, step = len(response), found.clock / recording.fs
     t = found.clock * np.arange(n) / recording.fs + found.delay
-    keep = slice(*np.searchsorted(t, [-BEFORE, test.duration + AFTER]))
+    keep = slice(*np.searchsorted(t, [-BEFORE, test.duration + (0.0 if test.open_end else AFTER)]))
     u = command_at(test, t[keep], step)
     notes = [*recording.notes, f"{test.name} found: correlation {found.correlation:.3f} below 15 Hz, the first sample "
              f"{found.delay:+.4f} s after its start, true rate {1 / step:.2f} Hz"]  # fmt: skip
@@ -144,7 +139,7 @@ def _rebuilt(recording: Recording, response: np.ndarray, found: Alignment, test:
     first = t[keep][0]
     rows = [(int((a - first) / step), int(np.ceil((b - first) / step)), size) for a, b, size in test.segments]
     return Pair(1 / step, u, y - y.mean(axis=0), recording.columns, moved, found.delay, found.clock, found.correlation,
-                tuple(rows), tuple(notes))  # fmt: skip
+                tuple(rows), test, tuple(notes))  # fmt: skip
 
 
 def command_at(sweep: Sweep, t: np.ndarray, step: float) -> np.ndarray:

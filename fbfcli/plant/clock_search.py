@@ -53,15 +53,29 @@ class Track:
         return np.arange(len(self.y)) / self.fs
 
 
-def search(track: Track, sweep: Sweep, span: float) -> Alignment:
-    """The alignment of a whole measurement; `span`: how far the clock may be off, as a part of it."""
+@dataclass(frozen=True)
+class Coarse:
+    """Where the correlation is largest; `step`: between the clocks that were tried."""
+
+    correlation: float
+    clock: float
+    delay: float
+    step: float
+
+
+def coarse(track: Track, sweep: Sweep, span: float) -> Coarse:
+    """The first step, for a whole measurement; `span`: how far the clock may be off, as a part of it."""
     slow = decimated(track, COARSE_FS)
     step = DRIFT / (RIGID[1] * 0.5 * min(sweep.duration, track.t[-1]))
     clocks = 1.0 + step * np.arange(-np.ceil(span / step), np.ceil(span / step) + 1)
     tried = [(abs(found[1]), clock, found[0]) for clock in clocks for found in [_correlated(slow, sweep, clock)]]
-    _, clock, delay = max(tried)
+    return Coarse(*max(tried), step)
+
+
+def refined(track: Track, sweep: Sweep, start: Coarse) -> Alignment:
+    """The second and third step."""
     fast = decimated(track, 2.5 * TOP)
-    clock, delay = _refined(fast, sweep, clock, delay, step)
+    clock, delay = _clock(fast, sweep, start.clock, start.delay, start.step)
     return _delayed(fast, sweep, clock, delay)
 
 
@@ -94,11 +108,11 @@ def _correlated(track: Track, sweep: Sweep, clock: float) -> tuple[float, float]
     return -clock * shift / track.fs, float(r[at] / max(size, 1e-300))
 
 
-def _refined(track: Track, sweep: Sweep, clock: float, delay: float, step: float) -> tuple[float, float]:
+def _clock(track: Track, sweep: Sweep, clock: float, delay: float, step: float) -> tuple[float, float]:
     """The clock that explains most, band by band; where the machine is rigid the alignment holds meanwhile."""
     pivot = _pivot(track, sweep, clock, delay)
     for top, width, count in SEARCHES:
-        if sweep.f1 < 0.4 * top:
+        if 5 * sweep.f1 < top:
             break
         offsets = width * step * np.linspace(-1.0, 1.0, 2 * count + 1)
         explained = [_explained(track, sweep, clock + o, delay - o * pivot, top) for o in offsets]

@@ -22,7 +22,7 @@ class Sweep:
                acceleration over any interval is a difference
     markers  : times at which synchronisation pulses begin [s]
     segments : (begin, end, amplitude) of stretches of one amplitude each [s, s, mm/s^2]; empty: one stretch
-    open_end : it is the beginning of a longer sweep; where the machine stopped is to be seen in the measurement
+    open_end : it is the beginning of a longer sweep: what comes after `duration` is not known
     scalable : its amplitude is the firmware's default, which people change
     """
 
@@ -53,8 +53,8 @@ def piecewise(length: np.ndarray, a: np.ndarray) -> Callable[[np.ndarray], np.nd
 
 
 def until(sweep: Sweep, end: float) -> Sweep:
-    """The sweep, stopped dead at `end` [s]."""
+    """The sweep up to `end` [s]."""
     if end >= sweep.duration:
         return sweep
     whole = sweep.velocity
-    return replace(sweep, duration=end, velocity=lambda t: np.where(t < end, whole(t), 0.0), open_end=False)
+    return replace(sweep, duration=end, velocity=lambda t: np.where(t < end, whole(t), 0.0))
