@@ -20,7 +20,11 @@ def pair(table: TextTable, columns: Sequence[Column], options: ReadOptions) -> R
     command = _one(table, columns, options.command, "command", "--command")
     clock = _clock(table, columns, options)
     which = _measured(table, columns, options, command)
-    quantity = columns[command].quantity or columns[which[0]].quantity or "acceleration"
+    kinds = {columns[i].quantity for i in (command, *which)} - {""}
+    if len(kinds) > 1:
+        raise table.error(f"command and measurement are of different kinds: {' and '.join(sorted(kinds))}",
+                          remedy="choose two of the same kind with --command and --measured")  # fmt: skip
+    quantity = next(iter(kinds), "acceleration")
     axis = columns[command].axis or next((columns[i].axis for i in which if columns[i].axis), None)
     names = tuple(columns[i].axis or axis or "x" for i in which)
     rows = table.values[clock.keep]
