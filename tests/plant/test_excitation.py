@@ -155,8 +155,8 @@ def test_ulendo_markers_are_a_square_wave():
 
 @pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus is not here")
 def test_ulendo_is_the_command_that_others_rebuilt():
-    (pair,) = read_recordings((CORPUS / "commanded_measured/ulendo_ender3v2neo_y_240529_143933_paired.csv").read_bytes(),
-                              "paired.csv")  # fmt: skip
+    file = CORPUS / "commanded_measured" / "ulendo_ender3v2neo_y_240529_143933_paired.csv"
+    (pair,) = read_recordings(file.read_bytes(), file.name)
     inside = (pair.t > 1.0) & (pair.t < 20.6) & (np.abs(pair.t - 2.7) > 2e-3)  # at 2.7 s the amplitude's growth ends
     a = acceleration(ulendo_sweep(**ULENDO), pair.t, 1e-5)
     np.testing.assert_allclose(a[inside], pair.command[inside], atol=6.0)  # theirs by differences of positions
@@ -199,7 +199,8 @@ def test_the_csv_of_a_command_is_read_as_it_was_written():
     assert back.segments == ((0.5, 1.25, 200.0),)
 
 
-@pytest.mark.parametrize("text", ["time_s,a\n0,1\n0,2\n1,3\n", "time_s,a\n0,0\n1,0\n2,0\n", "t,a,b\n0,1,2\n1,2,3\n", "x"])
+@pytest.mark.parametrize("text", ["time_s,a\n0,1\n0,2\n1,3\n", "time_s,a\n0,0\n1,0\n2,0\n", "t,a,b\n0,1,2\n1,2,3\n",
+                                  "x"])  # fmt: skip
 def test_a_csv_that_commands_nothing_is_refused(text):
     with pytest.raises(RecordingError):
         sweep_of_csv(text.encode(), "x.csv")

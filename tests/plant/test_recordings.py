@@ -17,7 +17,8 @@ from fbfcli.units import GRAVITY
 
 N = 200
 RNG = np.random.default_rng(5)
-SHAKEN = RNG.normal(0.0, 800.0, (N, 3)) + [0.0, 0.0, GRAVITY]
+DOWN = np.array([0.0, 0.0, GRAVITY])
+SHAKEN = RNG.normal(0.0, 800.0, (N, 3)) + DOWN
 
 
 def klipper(t=None, a=SHAKEN, head="#time,accel_x,accel_y,accel_z\n", end="\n") -> str:
@@ -107,7 +108,7 @@ def test_py3dpaxxel():
 
 
 def test_without_gravity_the_unit_must_be_told():
-    rows = "".join(f"{i / 800},{x},{y},{z}\n" for i, (x, y, z) in enumerate((SHAKEN - [0, 0, GRAVITY]).tolist()))
+    rows = "".join(f"{i / 800},{x},{y},{z}\n" for i, (x, y, z) in enumerate((SHAKEN - DOWN).tolist()))
     assert "--unit" in refused("time,x,y,z\n" + rows)
     assert isinstance(read("time,x,y,z\n" + rows, unit="mm/s^2"), Recording)
 
@@ -128,6 +129,11 @@ def test_a_pair_by_numbers_of_columns():
     assert any("in ms" in note for note in r.notes)
     assert "no column '9'" in refused(rows, time="1", command="9", measured="4")
     assert "constant" in refused(rows, time="1", command="2", measured="4")
+
+
+def test_a_pair_of_two_kinds_is_refused():
+    rows = "".join(f"{i / 500} {np.sin(i):.6f} {np.cos(i):.6f}\n" for i in range(100))
+    assert "acceleration and position" in refused("t position_command accel_x\n" + rows, command="2", measured="3")
 
 
 def test_positions_stay_positions():
@@ -175,7 +181,8 @@ def test_ulendo():
     np.testing.assert_allclose(r.measured, SHAKEN, rtol=1e-6)
 
 
-@pytest.mark.parametrize("changed", [{"SWEEP_CFG": {"f0": "5"}}, {"SWEEP_CFG": 3}, {"SWEEP_CFG": SWEEP_CFG | {"a": "x"}},
+@pytest.mark.parametrize("changed", [{"SWEEP_CFG": {"f0": "5"}}, {"SWEEP_CFG": 3},
+                                     {"SWEEP_CFG": SWEEP_CFG | {"a": "x"}},
                                      {"XAXISRESPONSE": "A"}, {"YAXISRESPONSE": "AAAAAA=="}, {"ZAXISRESPONSE": 4},
                                      {"SWEEP_CFG": SWEEP_CFG | {"dfdt": "0"}}])  # fmt: skip
 def test_ulendo_refused(changed):
@@ -187,7 +194,7 @@ def test_ulendo_refused(changed):
 def test_the_true_rate_is_found_under_jitter():
     t = np.cumsum(np.full(5000, 1 / 1573.0)) + RNG.normal(0, 1e-4, 5000)
     t = np.maximum.accumulate(t)
-    r = read(klipper(t, RNG.normal(0, 500, (5000, 3)) + [0, 0, GRAVITY]))
+    r = read(klipper(t, RNG.normal(0, 500, (5000, 3)) + DOWN))
     assert r.fs == pytest.approx(1573.0, rel=1e-4)
 
 
@@ -244,7 +251,8 @@ def test_a_last_row_that_is_cut_off_is_left_out_and_told():
 # refusals
 
 @pytest.mark.parametrize("data", [b"", b"\n\n", b"\xef\xbb\xbf", b"#time,accel_x,accel_y,accel_z\n", b"hello\n",
-                                  b"GCDE\0\0\0", b"\0" * 100, b"{", b"[1, 2]", b'{"a": 1}', b"1,2,3,4\n", b"time,x\n1,2\n",
+                                  b"GCDE\0\0\0", b"\0" * 100, b"{", b"[1, 2]", b'{"a": 1}', b"1,2,3,4\n",
+                                  b"time,x\n1,2\n",
                                   b"G1 X1 Y2\nG1 X3 Y4\n"])  # fmt: skip
 def test_what_is_no_recording_is_refused(data):
     refused(data)
