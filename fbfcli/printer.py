@@ -78,6 +78,22 @@ Model = ModalModel | TransferFunction | ImpulseResponse | FrequencyResponse
 
 
 @dataclass(frozen=True)
+class Spread:
+    """How far an axis may be from its model: factors on its frequencies and dampings, lowest and highest."""
+
+    frequency: tuple[float, float] = (1.0, 1.0)
+    damping: tuple[float, float] = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Family:
+    """The models that an axis may really have, and the probability of each; `weights` sum to 1."""
+
+    models: tuple[Model, ...]
+    weights: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Axis:
     """One linear axis of the tool. `model` is None for an axis that is not compensated (Z).
 

@@ -109,7 +109,7 @@ def _axis(table: Table, index: int, limits: Limits, read: Read | None) -> Axis:
     """One of X, Y, Z; the keys that Limits takes are checked there. Z is never compensated and has no model."""
     name = "XYZ"[index]
     table.only("travel", "steps_per_mm", "max_velocity", "max_acceleration", "jerk", "command_velocity",
-               "command_acceleration", *(["model"] if name != "Z" else []))
+               "command_acceleration", *(["model", "uncertainty"] if name != "Z" else []))
     travel = table.numbers("travel", "travel = [0, 200]")
     if len(travel) != 2:
         table.refuse("travel", "must be two numbers", "lowest and highest position: travel = [0, 200]")

@@ -17,6 +17,7 @@ from fbfcli.errors import FbfError
 VERBS = {  # module and command in fbfcli.cli, and its help in one line: numpy is not imported to print this
     "compensate": "Change a print so that a vibrating printer follows it.",
     "excite": "Write a sweep that shows how a printer vibrates, and what it commands.",
+    "identify": "Find how an axis vibrates from recordings.",
     "printers": "List the printers fbf knows, and check profiles.",
 }
 COMPLETE = "_FBF_COMPLETE"  # what click's completion scripts set

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fbfcli.gcode.raised import limit_lines, restore_lines, shaper_off
-from fbfcli.gcode.words import SCALE, feed_words, g1_lines, to_words
+from fbfcli.gcode.words import feed_words, g1_lines, to_words
 from fbfcli.plant.square_sweep import Swings
 from fbfcli.printer import Limits, Printer
 from fbfcli.units import S_PER_MIN
@@ -67,8 +67,3 @@ def _way(printer: Printer) -> list[str]:
 
 def _z_speed(printer: Printer) -> float:
     return float(min(printer.limits.axis_velocity[2], 5.0))
-
-
-def positions(swings: Swings, start: float) -> np.ndarray:
-    """Where each swing ends [mm], rounded as it is written, shape (n,)."""
-    return np.asarray(to_words(start + np.cumsum(swings.distance)) / SCALE)

@@ -98,7 +98,7 @@ def excite(printer: Printer, axis: str, f0: float, f1: float, rate: float, accel
     told = []
     for number, size in enumerate(settings.accelerations, 1):
         inside = np.flatnonzero(plan.part == number)
-        told.append(f"{SWEPT} {size:g} from {begins[inside[0]]:.4f} to {begins[inside[-1] + 1]:.4f} s")
+        told.append(SWEPT.format(size, *frequencies_of(settings, size), begins[inside[0]], begins[inside[-1] + 1]))
     made = ExciteSummary(printer.name, axis, float(edge[-1]), len(plan),
                          tuple((size, *frequencies_of(settings, size)) for size in settings.accelerations),
                          float(v.max()), float(0.5 * np.ptp(way)), off, tuple(notes))  # fmt: skip

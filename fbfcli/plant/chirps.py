@@ -61,4 +61,4 @@ def ulendo_sweep(
         v = change * np.sin(phi) + size * rate * np.cos(phi)
         return np.asarray(np.where((t > begin) & (t < end), v, 0.0) + markers(t))
 
-    return Sweep("Ulendo's sweep", float(second + 4 * step_ti), f0, f1, velocity, (dly1_ti, float(second)))
+    return Sweep("Ulendo's sweep", float(second + 4 * step_ti), f0, f1, velocity)

@@ -20,7 +20,6 @@ class Sweep:
     f0, f1   : lowest and highest frequency of the sweep [Hz]
     velocity : velocity [mm/s] at times [s] (any shape); the exact integral of the acceleration, so that a mean
                acceleration over any interval is a difference
-    markers  : times at which synchronisation pulses begin [s]
     segments : (begin, end, amplitude) of stretches of one amplitude each [s, s, mm/s^2]; empty: one stretch
     open_end : it is the beginning of a longer sweep: what comes after `duration` is not known
     scalable : its amplitude is the firmware's default, which people change
@@ -31,7 +30,6 @@ class Sweep:
     f0: float
     f1: float
     velocity: Callable[[np.ndarray], np.ndarray]
-    markers: tuple[float, ...] = ()
     segments: tuple[tuple[float, float, float], ...] = ()
     open_end: bool = False
     scalable: bool = False

@@ -84,6 +84,13 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
     return chosen, *(c for c in found if c is not chosen)
 
 
+def best_of_shape(frf: Frf, shape: Shape, delay: float) -> Candidate | None:
+    """One shape fitted, beginning near a delay that is known [s]; None where the response does not support it."""
+    if 2 * len(frf.frequency) < 3 * shape.size:
+        return None
+    return _fitted(frf, deviation(frf), shape, delay + DELAYS_S[::4])
+
+
 def shapes(pairs: int) -> tuple[Shape, ...]:
     """Shapes with this many resonances, smallest first."""
     return tuple(Shape(pairs, lags, general) for general in (False, True) for lags in (0, 1))
@@ -95,9 +102,9 @@ def deviation(frf: Frf) -> np.ndarray:
     return np.sqrt(mean + (MODEL_ERROR * np.abs(frf.H)) ** 2 + 1e-6 * np.mean(np.abs(frf.H)) ** 2)
 
 
-def neighbours_mean(values: np.ndarray) -> np.ndarray:
-    """Values averaged over SMOOTH neighbouring lines."""
-    kernel = np.ones(min(SMOOTH, len(values)))
+def neighbours_mean(values: np.ndarray, count: int = SMOOTH) -> np.ndarray:
+    """Values averaged over some neighbouring lines."""
+    kernel = np.ones(min(count, len(values)))
     return np.convolve(values, kernel, "same") / np.convolve(np.ones(len(values)), kernel, "same")
 
 

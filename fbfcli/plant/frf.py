@@ -16,7 +16,7 @@ from scipy.ndimage import median_filter
 
 from fbfcli.plant.spectra import Spectra, together
 
-EXCITED = 3e-4  # of the command's strongest line: weaker ones are not excited (a Klipper sweep spans 1e3)
+EXCITED = 1e-3  # of the command's strongest power per Hz: weaker lines are not excited (a Klipper sweep spans 7e2)
 LARGEST_SHIFT_S = 0.02  # between the clocks of two recordings that were aligned one by one
 ALIKE = 0.5  # lines of less coherence say nothing of a shift
 
@@ -72,11 +72,25 @@ ESTIMATORS: dict[str, Callable[[Spectra], np.ndarray]] = {"h1": h1, "h2": h2, "h
 
 def frf(spectra: Spectra, estimator: str = "h1", amplitude: float = float("nan")) -> Frf:
     """The response at the lines that the command excites."""
-    kept = spectra.xx > EXCITED * spectra.xx.max()
+    density = spectra.xx / spectra.width
+    kept = density > EXCITED * density.max()
     H = ESTIMATORS[estimator](spectra)[kept]
     xx, xy, yy, count = (v[kept] for v in (spectra.xx, spectra.xy, spectra.yy, spectra.count))
     coherence = np.clip(np.abs(xy) ** 2 / (xx * np.maximum(yy, np.finfo(float).tiny)), 1e-12, 1.0)
     return Frf(spectra.frequency[kept], spectra.width[kept], H, coherence, random_error(H, coherence, count), count, xx, amplitude)
+
+
+TABLE_COUNT = 10.0  # averages assumed in a response whose origin does not say
+TABLE_ERROR = 0.02  # of |H|, of a response without coherence
+
+
+def from_table(frequency: np.ndarray, H: np.ndarray, coherence: np.ndarray | None) -> Frf:
+    """A response that was measured elsewhere. Where it has no coherence, an error of 2 % is taken for random."""
+    m = len(frequency)
+    count = np.full(m, TABLE_COUNT)
+    gamma2 = np.full(m, 1.0) if coherence is None else np.clip(coherence, 1e-3, 1.0)
+    sd = random_error(H, gamma2, count) if coherence is not None else TABLE_ERROR * np.abs(H)
+    return Frf(frequency, np.zeros(m), H, gamma2, np.maximum(sd, 1e-6), count, np.ones(m))
 
 
 AGREEING = 0.5  # coherence, of the median of NEIGHBOURS lines, from which on they are believed

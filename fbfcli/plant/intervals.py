@@ -1,8 +1,9 @@
 """How sure a fit is of its numbers: a covariance of theta from what the fit leaves over, and intervals from it.
 
-Weights of the fit are not what the noise is: they tolerate that no machine is linear. So cov = A^-1 B A^-1 with
-A = J^T W J + prior and B = J^T W V W J, V the random error of the lines, scaled until it explains the residuals, and by
-the number of neighbouring lines that say the same.
+Weights of the fit are not what the noise is: they tolerate that no machine is linear, and coherence is lost inside a
+line where a narrow peak bends the response, which is no noise. So cov = A^-1 B A^-1 with A = J^T J + prior and
+B = J^T V J, V what is left over in the neighbourhood of each line, times the number of lines that say the same (White 1980;
+Long & Ervin 2000, The American Statistician 54).
 """
 
 from __future__ import annotations
@@ -11,13 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fbfcli.plant.fit import Candidate, correlation_length, deviation, neighbours_mean, prior
+from fbfcli.plant.fit import Candidate, correlation_length, neighbours_mean, prior
 from fbfcli.plant.frf import Frf
 from fbfcli.plant.rational import Rational
 from fbfcli.plant.shape import OUTSIDE, model_of
 
 NORMAL_95 = 1.96
-LEAST_ERROR = 1e-3  # of |H|: random errors below it are not believed: clocks, rounding
+NEIGHBOURS = 15  # lines whose residuals tell the noise of the one among them
 
 
 @dataclass(frozen=True)
@@ -40,14 +41,13 @@ class ModeEstimate:
 
 def covariance(frf: Frf, best: Candidate) -> np.ndarray:
     """Of theta, shape (size, size)."""
-    J, r, sd = best.derivatives, best.residual, deviation(frf)
-    v = (neighbours_mean(2 * frf.sd**2) + (LEAST_ERROR * np.abs(frf.H)) ** 2) / sd**2
-    dof = max(1.0, len(r) - best.shape.size / 2)
-    scale = float(np.sum(np.abs(r) ** 2 / v)) / dof * correlation_length(r / np.sqrt(v))
+    J, r = best.derivatives, best.residual
     _, known = prior(best.shape, best.theta, frf)
-    A = (J.conj().T @ J).real + known.T @ known
-    B = 0.5 * scale * ((J.conj().T * v) @ J).real + known.T @ known
-    inverse = np.linalg.pinv(A, hermitian=True)
+    inverse = np.linalg.pinv((J.conj().T @ J).real + known.T @ known, hermitian=True)
+    # each line pulls the fit towards itself and so leaves less over: h is its share in its own fit (HC3)
+    h = 0.5 * np.einsum("mi,ij,mj->m", J.conj(), inverse, J).real
+    v = neighbours_mean(np.abs(r / np.maximum(1 - h, 0.1)) ** 2, NEIGHBOURS) * correlation_length(r)
+    B = 0.5 * ((J.conj().T * v) @ J).real + known.T @ known
     return np.asarray(inverse @ B @ inverse)
 
 
@@ -65,8 +65,8 @@ def mode_estimates(best: Candidate, cov: np.ndarray) -> tuple[ModeEstimate, ...]
         gain = float(np.sqrt(by_theta @ cov @ by_theta))
         found.append(
             ModeEstimate(
-                _of_logarithm(r.frequency, float(spread[at])),
-                _of_logarithm(r.damping, float(spread[at + 1])),
+                of_logarithm(r.frequency, float(spread[at])),
+                of_logarithm(r.damping, float(spread[at + 1])),
                 Interval(r.gain, r.gain - NORMAL_95 * gain, r.gain + NORMAL_95 * gain),
             )
         )
@@ -87,6 +87,7 @@ def draws(best: Candidate, cov: np.ndarray, count: int, rng: np.random.Generator
     return tuple(model_of(best.shape, theta) for theta in rng.multivariate_normal(best.theta, cov, count))
 
 
-def _of_logarithm(value: float, spread: float) -> Interval:
+def of_logarithm(value: float, spread: float) -> Interval:
+    """The interval of a number from the standard deviation of its logarithm."""
     factor = float(np.exp(NORMAL_95 * min(spread, 10.0)))
     return Interval(value, value / factor, value * factor)

@@ -82,8 +82,10 @@ def discretised(model: Rational, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """b, a of z^0, z^-1, ... for a command that is linear between samples dt [s] apart, as a planner's is."""
     b, a = np.zeros(1), np.ones(1)
     for part in [*(Rational((r,)) for r in model.resonances), *(Rational((), (lag,)) for lag in model.lags)]:
-        num, den, _ = cont2discrete(polynomials(part), dt, method="foh")
-        b, a = np.polyadd(np.polymul(b, den), np.polymul(np.ravel(num), a)), np.polymul(a, den)
+        b_s, a_s = polynomials(part)
+        num, den, _ = cont2discrete((np.trim_zeros(b_s, "f"), a_s), dt, method="foh")
+        num = np.concatenate((np.zeros(len(den) - np.size(num)), np.ravel(num)))
+        b, a = np.polyadd(np.polymul(b, den), np.polymul(num, a)), np.polymul(a, den)
     return b, a
 
 

@@ -53,7 +53,12 @@ def short_time(x: np.ndarray, y: np.ndarray, fs: float, band: tuple[float, float
     band    : lowest and highest frequency [Hz]
     seconds : length of the windows, 0: by the record's
     """
-    return _averaged(x, y, fs, band, seconds or float(np.clip(len(x) / fs / WINDOWS, SHORTEST_S, LONGEST_S)), GATE)
+    return _averaged(x, y, fs, band, seconds or window_seconds(len(x) / fs), GATE)
+
+
+def window_seconds(duration: float) -> float:
+    """Length of the windows for a record of this length [s]."""
+    return float(np.clip(duration / WINDOWS, SHORTEST_S, LONGEST_S))
 
 
 def welch(x: np.ndarray, y: np.ndarray, fs: float, band: tuple[float, float], seconds: float = 0.0) -> Spectra:
@@ -69,7 +74,8 @@ def _averaged(
 ) -> Spectra:
     size = min(next_fast_len(int(seconds * fs), real=True), len(x))
     f = np.arange(size // 2 + 1) * fs / size
-    first = _edges(max(1, int(np.searchsorted(f, band[0]))), int(np.searchsorted(f, band[1], "right")))
+    edges = np.searchsorted(f, _edges(band[0], min(band[1], fs / 2), seconds))
+    first = edges[np.append(True, np.diff(edges) > 0)]
     bins_in_line = np.diff(first)
 
     def lines(bins: np.ndarray) -> np.ndarray:
@@ -115,11 +121,12 @@ def _independent_bins(n: np.ndarray) -> np.ndarray:
     return np.asarray(n**2 / (n * LEAKAGE[0] + 2 * (n - 1) * LEAKAGE[1] + 2 * np.maximum(n - 2, 0) * LEAKAGE[2]))
 
 
-def _edges(low: int, high: int) -> np.ndarray:
-    """First bins of lines, and the end of the last: BINS wide, then RELATIVE_WIDTH of their frequency."""
-    even = np.arange(low, min(high, max(int(BINS / RELATIVE_WIDTH), low + BINS)), BINS)
-    count = max(0, int(np.log(high / max(even[-1], 1)) / RELATIVE_WIDTH))
-    return np.unique(np.concatenate((even, (even[-1] * np.exp(RELATIVE_WIDTH * np.arange(count))).astype(int))))
+def _edges(low: float, high: float, seconds: float) -> np.ndarray:
+    """Edges of lines [Hz]: BINS apart, then RELATIVE_WIDTH of their frequency; the same at any rate of the recording."""
+    width = BINS / seconds
+    even = np.arange(low, min(high, max(width / RELATIVE_WIDTH, low + width)) + 0.5 * width, width)
+    count = max(0, int(np.log(high / even[-1]) / RELATIVE_WIDTH))
+    return np.concatenate((even, even[-1] * np.exp(RELATIVE_WIDTH * np.arange(1, count + 1))))
 
 
 def together(spectra: Sequence[Spectra]) -> Spectra:

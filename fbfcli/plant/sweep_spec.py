@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from difflib import get_close_matches
 from inspect import signature
@@ -22,7 +23,9 @@ TESTS: dict[str, Callable[..., Sweep]] = {
     "ulendo": ulendo_sweep,
 }
 HELD = "each value holds until the next row's time"
-SWEPT = "sweep of"  # a comment of the CSV: sweep of 3500 mm/s^2 from 12.5 to 43.75 s
+SWEPT = "sweep of {:g} mm/s2 from {:.2f} to {:.2f} Hz, from {:.4f} to {:.4f} s"  # a comment of the CSV for each
+READ = re.compile(r"sweep of (\S+) mm/s2 from (\S+) to (\S+) Hz, from (\S+) to (\S+) s")
+UNSAID = (5.0, 200.0)  # Hz, of a command that somebody else sampled
 
 
 def named_sweep(words: str) -> Sweep:
@@ -79,7 +82,8 @@ def sweep_of_csv(data: bytes, name: str) -> Sweep:
         raise table.error("it commands nothing", 0, "give the CSV of `fbf excite`")
     if HELD not in table.comments:  # samples: the mean of a period around each
         t, step = t - 0.5 * step[0], np.append(step, step[-1])[: len(step)]
-    segments = tuple((float(w[4]), float(w[6]), float(w[2])) for w in map(str.split, table.comments)
-                     if len(w) > 6 and " ".join(w[:2]) == SWEPT)  # fmt: skip
-    velocity = piecewise(step, a[:-1])
-    return Sweep("the sweep of " + name, float(t[-1] - t[0]), 5.0, 200.0, velocity, segments=segments)
+    told = [tuple(map(float, found.groups())) for found in map(READ.fullmatch, table.comments) if found]
+    f0 = min((one[1] for one in told), default=UNSAID[0])
+    f1 = max((one[2] for one in told), default=UNSAID[1])
+    segments = tuple((begin, end, size) for size, _, _, begin, end in told)
+    return Sweep(f"the sweep of {name}", float(t[-1] - t[0]), f0, f1, piecewise(step, a[:-1]), segments)
