@@ -68,7 +68,7 @@ class ExciteSummary:
             f"sweeps:   {'; '.join(rows)}",
             f"motion:   {self.duration:.0f} s, {self.moves} moves, {self.reach:.1f} mm around the middle, "
             f"{self.speed:.0f} mm/s at most",
-            f"planner:  swings last as long as they should to {100 * self.off:.2f} % rms; the CSV has the planner's times",
+            f"planner:  its swings last as long as they should to {100 * self.off:.2f} % rms; the CSV has its times",
             *(f"note:     {note}" for note in self.notes),
         ])  # fmt: skip
 

@@ -24,7 +24,7 @@ TESTS: dict[str, Callable[..., Sweep]] = {
 }
 HELD = "each value holds until the next row's time"
 SWEPT = "sweep of {:g} mm/s2 from {:.2f} to {:.2f} Hz, from {:.4f} to {:.4f} s"  # a comment of the CSV for each
-READ = re.compile(r"sweep of (\S+) mm/s2 from (\S+) to (\S+) Hz, from (\S+) to (\S+) s")
+READ = re.compile(r"sweep of (\d+\.?\d*) mm/s2 from (\d+\.?\d*) to (\d+\.?\d*) Hz, from (\d+\.?\d*) to (\d+\.?\d*) s")
 UNSAID = (5.0, 200.0)  # Hz, of a command that somebody else sampled
 
 
