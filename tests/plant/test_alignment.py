@@ -79,6 +79,7 @@ def test_klippers_defaults_are_tried_and_the_end_is_found():
     pair = paired(recording, axis="x")
     assert pair.sweep.name == klipper_test().name
     assert pair.sweep.duration == pytest.approx(klipper_test(f1=50.0).duration, abs=0.6)
+    assert pair.sweep.f1 == pytest.approx(50.0, abs=0.7)
 
 
 def test_another_amplitude_than_the_default_is_found():
