@@ -62,6 +62,9 @@ def paired(recording: Recording, sweep: Sweep | None = None, axis: str | None = 
     moved = axis or recording.axis
     if moved is None:
         raise RecordingError("the file does not tell which axis was moved", file=recording.name, remedy="give --axis")
+    if recording.axis not in (None, moved):
+        raise RecordingError(f"the file says that {recording.axis} was moved", file=recording.name,
+                             remedy=f"give --axis {recording.axis}")  # fmt: skip
     if moved not in recording.columns:
         raise RecordingError(f"no measurement of axis {moved}", file=recording.name, remedy="choose another --axis")
     response = _even(recording, recording.measured)
@@ -135,7 +138,7 @@ def _rebuilt(recording: Recording, response: np.ndarray, found: Alignment, test:
             u = u * gain
             notes.append(f"the command is taken to be {gain:.2f} times the default: the machine follows it so")
         else:
-            notes.append(f"the gain is {gain:.2f} where the machine is rigid: are unit and amplitude of the test right?")
+            notes.append(f"the gain is {gain:.2f} where the machine is rigid: are unit and amplitude right?")
     first = t[keep][0]
     rows = [(int((a - first) / step), int(np.ceil((b - first) / step)), size) for a, b, size in test.segments]
     return Pair(1 / step, u, y - y.mean(axis=0), recording.columns, moved, found.delay, found.clock, found.correlation,

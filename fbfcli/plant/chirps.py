@@ -10,6 +10,7 @@ import numpy as np
 from fbfcli.plant.excitation import Sweep, piecewise
 
 RUN_IN = 1.0  # s in which Ulendo's amplitude grows as tau^3
+HIGHEST = 1e3  # Hz, of any sweep
 TURN = 2 * np.pi
 
 

@@ -11,7 +11,7 @@ from math import isfinite
 import numpy as np
 
 from fbfcli.errors import RecordingError
-from fbfcli.plant.chirps import marlin_test, ulendo_sweep
+from fbfcli.plant.chirps import HIGHEST, RUN_IN, marlin_test, ulendo_sweep
 from fbfcli.plant.excitation import Sweep, piecewise
 from fbfcli.plant.klipper_test import klipper_test, klipper_test_2020
 from fbfcli.plant.text_table import read_table, text_of
@@ -25,6 +25,7 @@ TESTS: dict[str, Callable[..., Sweep]] = {
 HELD = "each value holds until the next row's time"
 SWEPT = "sweep of {:g} mm/s2 from {:.2f} to {:.2f} Hz, from {:.4f} to {:.4f} s"  # a comment of the CSV for each
 READ = re.compile(r"sweep of (\d+\.?\d*) mm/s2 from (\d+\.?\d*) to (\d+\.?\d*) Hz, from (\d+\.?\d*) to (\d+\.?\d*) s")
+LOWEST = 0.5  # Hz, of a sweep
 UNSAID = (5.0, 200.0)  # Hz, of a command that somebody else sampled
 
 
@@ -55,9 +56,12 @@ def named_sweep(words: str) -> Sweep:
 
 
 def _checked(name: str, given: dict[str, float]) -> Sweep:
-    if not 0.5 <= given.get("f0", 5.0) < given.get("f1", 1e3) <= 1e3 or 0.0 in (
-        given.get("hz_per_sec"), given.get("dfdt"), given.get("octave")):  # fmt: skip
-        raise RecordingError(f"{name}: frequencies must rise from 0.5 Hz or more, to 1000 Hz at most",
+    """The test, if its frequencies rise."""
+    settings = {key: one.default for key, one in signature(TESTS[name]).parameters.items()} | given
+    rising = all(settings.get(key, 1.0) > 0 for key in ("hz_per_sec", "dfdt", "octave"))
+    lowest = RUN_IN if name == "ulendo" else LOWEST
+    if not (rising and lowest < settings["f0"] < settings["f1"] <= HIGHEST):
+        raise RecordingError(f"the frequency of {name} must rise, from {lowest:g} Hz or more to {HIGHEST:g} Hz or less",
                              remedy=f"such as {name}:f0=5,f1=100")  # fmt: skip
     return TESTS[name](**given)
 

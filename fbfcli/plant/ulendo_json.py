@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 
 from fbfcli.errors import RecordingError
-from fbfcli.plant.chirps import RUN_IN, ulendo_sweep
+from fbfcli.plant.chirps import HIGHEST, RUN_IN, ulendo_sweep
 from fbfcli.plant.recording import Read, Recording, ResponseTable
 from fbfcli.plant.sensor import oddities
 
 NOMINAL = 1600.0  # Hz: what the plug-in sets; the sensor's own clock is up to some per cent off
 MS_PER_S = 1e3
-HIGHEST = 1e3  # Hz, of a sweep
 TURN = 2 * np.pi
 SWEEP_KEYS = ("f0", "f1", "dfdt", "a", "step_ti", "step_a", "dly1_ti", "dly2_ti", "dly3_ti")
 

@@ -134,6 +134,7 @@ REST = Recording("klipper raw", "rest.csv", FS, np.arange(8000) / FS,
     (REST, None, None, "--axis"),
     (replace(REST, columns=("x", "z", "xyz")), None, "y", "no measurement of axis y"),
     (replace(REST, kind="duet"), None, "x", "--sweep"),
+    (replace(REST, axis="y"), None, "x", "says that y was moved"),
     (replace(REST, t=REST.t[:900], measured=REST.measured[:900]), None, "x", "too short"),
     (replace(REST, measured=0 * REST.measured), None, "x", "is not found"),
 ])  # fmt: skip

@@ -179,6 +179,8 @@ def test_the_sampled_command_keeps_the_spectrum_of_the_wave():
     ("kliper", "did you mean klipper"), ("klipper:fmax=3", "it has f0"), ("klipper:f1=x", "no number"),
     ("klipper:f1=-1", "must not be"), ("klipper:f1=nan", "must not be"), ("ulendo", "needs f0"), ("", "known are"),
     ("klipper:f0=0", "rise"), ("klipper:f0=50,f1=40", "rise"), ("klipper:hz_per_sec=0", "rise"),
+    ("marlin:f0=120", "rise"), ("marlin:octave=0", "rise"),
+    ("ulendo:f0=1,f1=80,dfdt=4,a=4000,step_ti=0.05,step_a=4000,dly1_ti=0.5,dly2_ti=1,dly3_ti=1", "rise"),
 ])  # fmt: skip
 def test_a_test_that_is_misnamed_is_refused(words, told):
     with pytest.raises(RecordingError, match=told):
