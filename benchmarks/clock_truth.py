@@ -2,7 +2,7 @@
 
     python benchmarks/clock_truth.py [DRAWS]
 
-Says a table: median and largest error [ppm] for each test, the lowest correlation, and CPU seconds per recording.
+Says a table: median and largest error [ppm] for each test, the lowest correlation, CPU seconds per recording.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def main(draws: int) -> None:
         "excite, taz6": own("taz6"),
         "ulendo": ulendo_sweep(5.0, 80.0, 4.0, 4000.0, 0.05, 4000.0, 0.5, 1.0, 1.0),
     }
-    print("| test | length [s] | clock: median, largest error [ppm] | least correlation | CPU [s] |\n|---|---|---|---|---|")
+    print("| test | length [s] | clock: median, largest error [ppm] | correlation | CPU [s] |\n|---|---|---|---|---|")
     for name, sweep in sweeps.items():
         rng = np.random.default_rng(len(name))
         off, correlation, spent = [], [], 0.0

@@ -152,7 +152,8 @@ def _top(x: np.ndarray, y: np.ndarray) -> float:
 def _delayed(track: Track, sweep: Sweep, clock: float, delay: float) -> Alignment:
     """The delay of the largest correlation within a fraction of a period, that correlation, and the gain there.
 
-    Gain: |H| at the lowest frequencies, by a line over f^2: below its modes a machine's gain is 1 + (f / f_n)^2.
+    Gain: H at 0 Hz. Of one mode Re(1/H) is a line over f^2, so U = (p + q f^2) Y; p by instrumental variables U, f^2 U,
+    which the noise in Y does not bias.
     """
     u = acceleration(sweep, clock * track.t + delay, clock / track.fs)
     n = next_fast_len(2 * len(u))
@@ -168,11 +169,11 @@ def _delayed(track: Track, sweep: Sweep, clock: float, delay: float) -> Alignmen
     lag = _top(near, np.abs(r))
     best = float(r[np.argmax(np.abs(r))])
     size = float(np.sqrt(np.sum(np.abs(U) ** 2) * np.sum(np.abs(Y) ** 2)))
-    weight = np.abs(U) ** 2
-    lines = np.column_stack([np.ones(band.sum()), f[band] ** 2]) * np.sqrt(weight)[:, None]
-    turned = (cross * np.exp(2j * np.pi * f[band] * lag)).real / np.maximum(np.sqrt(weight), 1e-300)
-    gain = float(np.linalg.lstsq(lines, turned, rcond=None)[0][0])
-    return Alignment(clock, delay - clock * lag, best / max(size, 1e-300), gain)
+    x = (f[band] / RIGID[1]) ** 2
+    in_phase, power = (cross * np.exp(2j * np.pi * f[band] * lag)).real, np.abs(U) ** 2
+    moments = np.array([[np.sum(in_phase * x ** (i + j)) for j in range(2)] for i in range(2)])
+    p = float(np.linalg.lstsq(moments, np.array([np.sum(power), np.sum(power * x)]), rcond=None)[0][0])
+    return Alignment(clock, delay - clock * lag, best / max(size, 1e-300), 1.0 / p if p else 0.0)
 
 
 def _real_sums(cross: np.ndarray, f: np.ndarray, lags: np.ndarray) -> np.ndarray:
