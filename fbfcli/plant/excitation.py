@@ -51,9 +51,9 @@ def piecewise(length: np.ndarray, a: np.ndarray) -> Callable[[np.ndarray], np.nd
 
 
 def until(sweep: Sweep, end: float) -> Sweep:
-    """A sweep whose frequency rises evenly, up to `end` [s]."""
+    """A sweep whose frequency rises evenly, up to `end` [s]; from there on it coasts: a stop would be a blow."""
     if end >= sweep.duration:
         return sweep
     whole = sweep.velocity
     f1 = sweep.f0 + (sweep.f1 - sweep.f0) * end / sweep.duration
-    return replace(sweep, duration=end, f1=f1, velocity=lambda t: np.where(t < end, whole(t), 0.0))
+    return replace(sweep, duration=end, f1=f1, velocity=lambda t: whole(np.minimum(t, end)))
