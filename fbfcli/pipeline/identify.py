@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from fbfcli.plant.free_decay import free_decay
 from fbfcli.plant.frf import Frf, combined, from_table, frf, trusted
 from fbfcli.plant.intervals import ModeEstimate, covariance, draws, mode_estimates
 from fbfcli.plant.mechanical_hints import hints_of_groups, hints_of_modes, hints_of_response
-from fbfcli.plant.model import plant_of
+from fbfcli.plant.model import Plant, plant_of
 from fbfcli.plant.power_fit import power_fit
 from fbfcli.plant.rational import Rational, profile_model
 from fbfcli.plant.recording import PowerSpectrum, Read, ReadOptions, Recording, ResponseTable
@@ -27,6 +28,7 @@ from fbfcli.plant.shape import model_of
 from fbfcli.plant.shaper_score import Scored, best_shaper, klipper_spectrum, most_acceleration, normalised
 from fbfcli.plant.spectra import AVERAGING, Spectra, together, window_seconds
 from fbfcli.plant.spread import group_fits, group_spread, noise_spread
+from fbfcli.printer import Model
 
 CLOCK_FOUND, CLOCK_GIVEN = 2e-6, 5e-5  # standard deviation of a clock that was found here, and of a recorded pair's
 KLIPPER_RISE = 2.0  # of the power of an acceleration that grows with frequency
@@ -73,7 +75,11 @@ def identify(files: Sequence[tuple[str, bytes]], ask: Ask) -> Identified:
         return _from_power(first, ask)
     if isinstance(first, ResponseTable):
         return _from_table(first, ask)
-    captures = [one for one in reads if isinstance(one, Recording)]
+    return identify_captures([one for one in reads if isinstance(one, Recording)], ask)
+
+
+def identify_captures(captures: Sequence[Recording], ask: Ask) -> Identified:
+    """The same from captures that have been read. Raises RecordingError, ModelError."""
     try:
         pairs = [paired(one, ask.sweep, ask.axis) for one in captures]
     except RecordingError as unknown:
@@ -236,14 +242,14 @@ def _axis(told: str | None, name: str, ask: Ask) -> str:
 
 def _told(
     axis: str, names: Sequence[str], assumed: str, rational: Rational, modes: tuple[ModeEstimate, ...], ask: Ask,
-    possible: Sequence[object] | None, psd: tuple[np.ndarray, np.ndarray] | None,
+    possible: Sequence[Model] | None, psd: tuple[np.ndarray, np.ndarray] | None,
 ) -> Identified:  # fmt: skip
     """What follows from a model, whatever it was found from."""
     model = profile_model(rational, ask.dt)
     plant = plant_of(model, ask.dt, axis.upper())
     left = None
     if possible is not None:
-        others = [plant_of(one, ask.dt, axis.upper()) for one in possible]  # type: ignore[arg-type]
+        others = _plants(possible, ask.dt, axis.upper())
         left = acceleration_error.most_acceleration([acceleration_error.difference(plant, o) for o in others], ask.error)
     shaper, kinds, most = _shaper(psd)
     return Identified(
@@ -263,6 +269,15 @@ def _told(
         uncompensated=acceleration_error.most_acceleration([acceleration_error.following_error(plant)], ask.error),
         compensated=left,
     )
+
+
+def _plants(models: Sequence[Model], dt: float, axis: str) -> list[Plant]:
+    """Plants of those models that make one: a draw may have no damping left."""
+    plants = []
+    for model in models:
+        with suppress(ModelError):
+            plants.append(plant_of(model, dt, axis))
+    return plants
 
 
 def _shaper(psd: tuple[np.ndarray, np.ndarray] | None) -> tuple[Scored | None, tuple[Scored, ...], float]:

@@ -27,7 +27,7 @@ def difference(one: Plant, other: Plant) -> np.ndarray:
 
 def most_acceleration(errors: Sequence[np.ndarray], error: float) -> float:
     """The acceleration [mm/s^2] at which the worst of these swings reaches `error` [mm]."""
-    peak = max(float(np.abs(e).max()) for e in errors)
+    peak = max((float(np.abs(e).max()) for e in errors), default=0.0)
     return error / peak if peak > 0 else float("inf")
 
 

@@ -23,12 +23,13 @@ from fbfcli.plant.vector_fitting import fit_poles, starting_poles
 
 MOST_MODES = 4
 DECISIVE = 10.0  # of the criterion: "very strong" evidence (Kass & Raftery 1995); less does not pay for a larger model
-MODEL_ERROR = 0.03  # of |H|: no machine is linear to better; keeps the best lines from deciding everything
+MODEL_ERROR = (0.003, 0.05)  # of |H|, least and most: no machine is linear to better, none worth a model to worse
 DELAYS_S = np.linspace(-0.01, 0.01, 41)  # tried to start from
 GAINS = (0.7, 1.4)  # of a sensor
 SENSOR_GAIN = 0.1  # the ADXL345's sensitivity is known to 10 %, and mountings tilt
 DAMPING = (1e-3, 0.95)
 LEAST_LINES = 12
+STARTS = 3  # that are refined, of those at all delays
 # Delay and zeros outside the left half plane imitate each other. Where the response cannot tell them apart, what turns
 # the phase is delay: a machine's own at rest is about 2 zeta / w, some milliseconds
 PLAIN_DELAY_S = 1e-3
@@ -72,13 +73,13 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
         for shape in shapes(pairs):
             if 2 * m >= 3 * shape.size and (best := _fitted(frf, sd, shape, delays)) is not None:
                 found.append(best)
-                delays = best.theta[1] + DELAYS_S[::8]
+                delays = best.theta[1] + DELAYS_S[::4]
         found = _ranked(found)
         if found and found[0].criterion > before - DECISIVE:
             break
         before = found[0].criterion if found else np.inf
     if not found:
-        raise ModelError("no stable model with modes inside the measured band fits: look at the plot")
+        raise ModelError("no stable model with modes inside the measured band fits: give a wider --band, or shake harder")
     enough = [c for c in found if c.criterion <= found[0].criterion + DECISIVE]
     chosen = min(enough, key=lambda c: (c.shape.size, c.criterion))
     return chosen, *(c for c in found if c is not chosen)
@@ -97,9 +98,15 @@ def shapes(pairs: int) -> tuple[Shape, ...]:
 
 
 def deviation(frf: Frf) -> np.ndarray:
-    """Standard deviation of H, shape (m,): random error, averaged over neighbours, and the error of any model."""
-    mean = neighbours_mean(2 * frf.sd**2)
-    return np.sqrt(mean + (MODEL_ERROR * np.abs(frf.H)) ** 2 + 1e-6 * np.mean(np.abs(frf.H)) ** 2)
+    """Standard deviation of H, shape (m,): random error, averaged over neighbours, and the error of any model.
+
+    That is taken as large as neighbouring lines differ, for a machine's response is smooth: what friction and backlash
+    make of it is not, and keeps the best lines from deciding everything.
+    """
+    size = np.abs(frf.H)
+    rough = np.abs(frf.H[:-2] - 2 * frf.H[1:-1] + frf.H[2:]) / np.sqrt(6) / np.maximum(size[1:-1], 1e-9)
+    part = float(np.clip(np.median(rough), *MODEL_ERROR))
+    return np.sqrt(neighbours_mean(2 * frf.sd**2) + (part * size) ** 2 + 1e-8 * np.mean(size) ** 2)
 
 
 def neighbours_mean(values: np.ndarray, count: int = SMOOTH) -> np.ndarray:
@@ -119,7 +126,7 @@ def averaged(shape: Shape, theta: np.ndarray, frf: Frf) -> tuple[np.ndarray, np.
 
 def _fitted(frf: Frf, sd: np.ndarray, shape: Shape, delays: np.ndarray) -> Candidate | None:
     """The best of refinements from the best starts; None where the shape has nothing to hold on to."""
-    starts = sorted((_start(frf, sd, shape, tau) for tau in delays), key=lambda start: start[0])[:2]
+    starts = sorted((_start(frf, sd, shape, tau) for tau in delays), key=lambda start: start[0])[:STARTS]
     best, cost = None, np.inf
     for _, theta in starts:
         solution = _refined(frf, sd, shape, theta)

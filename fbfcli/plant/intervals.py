@@ -18,6 +18,9 @@ from fbfcli.plant.rational import Rational
 from fbfcli.plant.shape import OUTSIDE, model_of
 
 NORMAL_95 = 1.96
+# Standard deviations of ln f and ln zeta that are left with no noise at all: windows, rounding to the sensor's steps and a
+# clock found to 1 ppm (benchmarks/identify_truth.py)
+FREQUENCY_FLOOR, DAMPING_FLOOR = 1.5e-4, 2e-3
 NEIGHBOURS = 15  # lines whose residuals tell the noise of the one among them
 
 
@@ -65,8 +68,8 @@ def mode_estimates(best: Candidate, cov: np.ndarray) -> tuple[ModeEstimate, ...]
         gain = float(np.sqrt(by_theta @ cov @ by_theta))
         found.append(
             ModeEstimate(
-                of_logarithm(r.frequency, float(spread[at])),
-                of_logarithm(r.damping, float(spread[at + 1])),
+                of_logarithm(r.frequency, float(np.hypot(spread[at], FREQUENCY_FLOOR))),
+                of_logarithm(r.damping, float(np.hypot(spread[at + 1], DAMPING_FLOOR))),
                 Interval(r.gain, r.gain - NORMAL_95 * gain, r.gain + NORMAL_95 * gain),
             )
         )

@@ -20,7 +20,9 @@ SHORTEST_S, LONGEST_S = 1.5, 8.0  # ... that is long enough to resolve a mode: 8
 HOPS = 4  # in a window: Hann windows shifted by a quarter sum up to a constant
 BINS = 2  # of the transform in a line, at least
 RELATIVE_WIDTH = 0.01  # of a line: a mode of damping 0.02 is 4 % of its frequency wide
-GATE = 0.03  # of a line's strongest window: in weaker ones the command is elsewhere
+GATE = 0.03  # of a line's strongest window: in weaker ones the command is elsewhere, and coherence means nothing
+# Where a sweep enters and leaves a window the response is cut off, which cancels over all windows that hold some of it
+FAINT = 1e-4
 # Power of Hann windows shifted by 0, 1/4, 1/2, 3/4 correlates by these, that of bins 0, 1, 2 apart by those
 OVERLAP = np.array([1.0, 0.435, 0.028])
 LEAKAGE = np.array([1.0, 0.444, 0.028])
@@ -86,24 +88,32 @@ def _averaged(
         power = np.abs(X) ** 2
         rows.append((lines(power), lines(X.conj() * Y), lines(np.abs(Y) ** 2), lines(power * f)))
     xx, xy, yy, xf = (np.array(column) for column in zip(*rows, strict=True))
-    heard = xx >= gate * xx.max(axis=0)
-    total = np.maximum((heard * xx).sum(axis=0), TINY)
+    strongest = xx.max(axis=0)
+    heard, faint = xx >= gate * strongest, xx >= min(gate, FAINT) * strongest
+    agreeing = np.abs((heard * xy).sum(axis=0)) ** 2 / np.maximum((heard * xx).sum(axis=0), TINY)
+    coherence = agreeing / np.maximum((heard * yy).sum(axis=0), TINY)
+    total, cross = np.maximum((faint * xx).sum(axis=0), TINY), (faint * xy).sum(axis=0)
     return Spectra(
-        frequency=np.where(total > TINY, (heard * xf).sum(axis=0) / total, 0.5 * (f[first[:-1]] + f[first[1:] - 1])),
+        frequency=np.where(total > TINY, (faint * xf).sum(axis=0) / total, 0.5 * (f[first[:-1]] + f[first[1:] - 1])),
         # a window of T seconds blurs like a band of 2 / T: the mean of w'^2 over that of w^2 is (2 pi / T)^2 / 3
         width=np.hypot(bins_in_line, 2) * fs / size,
         xx=total,
-        xy=(heard * xy).sum(axis=0),
-        yy=(heard * yy).sum(axis=0),
+        xy=cross,
+        yy=np.abs(cross) ** 2 / (total * np.maximum(coherence, TINY)),  # as coherent as where the command is
         count=_independent(heard * xx) * _independent_bins(bins_in_line),
     )
 
 
 def _transforms(x: np.ndarray, y: np.ndarray, size: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """X, Y of one window after the other; the record is longer by half a window at each end, which is at rest."""
+    """X, Y of one window after the other; the record is longer by half a window at an end at which it rests.
+
+    An end in the middle of a motion is left to the windows' own slopes: a cliff there leaks into all frequencies.
+    """
     window = get_window("hann", size)
-    around = size // 2 if len(x) > size else 0
-    x, y = (np.pad(v - v.mean(), around) for v in (x, y))
+    still = max(1, size // 100)
+    resting = [not x[:still].any(), not x[-still:].any()] if len(x) > size else [False, False]
+    around = [size // 2 * rest for rest in resting]
+    x, y = (np.pad(v, around) for v in (x, y - y.mean()))
     for start in range(0, len(x) - size + 1, max(1, size // HOPS)):
         yield rfft(window * x[start : start + size]), rfft(window * y[start : start + size])
 
