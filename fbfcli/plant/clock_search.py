@@ -2,9 +2,10 @@
 
 The command's time is  t_c = clock t + delay, t being the recording's. Three steps:
 1. coarse:  the largest correlation of command and measurement over clock and delay, where the machine is rigid;
-2. clock:   the one under which most of the measured power is a linear time-invariant function of the command,
-            J = sum_f |S_uy|^2 / S_uu. A wrong clock turns what the harmonics, or a second pass or marker, say of a
-            frequency against what the sweep says of it. No knowledge of the plant goes in;
+2. clock:   the one under which most of what is measured is a linear time-invariant function of the command,
+            J = sum_f |S_uy|^2 / (S_uu sqrt(S_yy)). A wrong clock turns what the harmonics, or a second pass or marker,
+            say of a frequency against what the sweep says of it. No knowledge of the plant goes in. J stands between
+            the explained power, in which a resonance drowns all else, and the coherence, in which noise counts fully;
 3. delay:   the largest correlation again. The plant's own delay at low frequencies, 2 zeta / omega_n of each mode, goes
             into it: nothing can tell the two apart here.
 """
@@ -23,11 +24,12 @@ RIGID = (0.5, 15.0)  # Hz: below the modes of a printer, above the drift of a se
 COARSE_FS = 125.0  # Hz, of the correlation where the machine is rigid
 DRIFT = 0.25  # of a period at the top of that band: what one step of the coarse clock may be off at the ends
 WINDOW = 8.0  # s, of the spectra in J: a hundred times what a machine's response lags, lest J reward following it
-WINDOWS = 6  # at least, in one recording
+WINDOWS = 3  # at least, in one recording
 # of J: top of the band [Hz], width to each side in steps of the search before, steps to each side
 SEARCHES = ((30.0, 20.0, 36), (80.0, 1.0, 8), (200.0, 0.5, 8))
 NEIGHBOURS = 4  # on each side of a largest value, through which a parabola is laid
 FINE_DELAY = 2e-5  # s, steps of the last search
+HEARD = 1e-6  # of the command's largest power: where it has less it says nothing
 TOP = 250.0  # Hz: nothing above is looked at
 
 
@@ -135,9 +137,9 @@ def _explained(track: Track, sweep: Sweep, clock: float, delay: float, top: floa
     u = acceleration(sweep, clock * track.t + delay, clock / track.fs)
     size = int(min(WINDOW, track.t[-1] / WINDOWS) * track.fs)
     f, S_uy = csd(u, track.y, track.fs, nperseg=size, detrend="constant")
-    S_uu = welch(u, track.fs, nperseg=size, detrend="constant")[1]
-    band = (f >= 1.0) & (f <= min(top, 0.4 * track.fs)) & (S_uu > 1e-6 * S_uu.max())
-    return float(np.sum(np.abs(S_uy[band]) ** 2 / S_uu[band]))
+    S_uu, S_yy = (welch(v, track.fs, nperseg=size, detrend="constant")[1] for v in (u, track.y))
+    band = (f >= 1.0) & (f <= min(top, 0.4 * track.fs)) & (S_uu > HEARD * S_uu.max()) & (S_yy > 0.0)
+    return float(np.sum(np.abs(S_uy[band]) ** 2 / (S_uu[band] * np.sqrt(S_yy[band]))))
 
 
 def _top(x: np.ndarray, y: np.ndarray) -> float:
