@@ -126,7 +126,7 @@ def test_to_standard_output():
 
 
 @pytest.mark.parametrize(("words", "told"), [
-    (["-p", "taz6", "--axis", "x", "--accel", "50000"], "allows 9000"),
+    (["-p", "taz6", "--axis", "x", "--accel", "50000"], "taz6.toml: --accel 50000.* allows 9000"),
     (["-p", "nobody", "--axis", "x"], "no printer"),
     (["--axis", "x"], "no printer"),
     (["-p", "taz6", "--axis", "x", "-o", "there/x.gcode"], "there is no folder there"),

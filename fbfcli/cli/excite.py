@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import click
@@ -64,13 +65,12 @@ def excite(
         if name != DASH and not Path(name).absolute().parent.is_dir():
             raise FbfError(f"{name}: there is no folder {Path(name).parent}")
     profile = find_file(printer)
-    with named(target, str(profile)):
+    with named(str(profile), str(profile)):
         made = run(read_printer(profile), axis, f0, f1, rate, accelerations)
-    with saying(target) as say:
+    with saying(target) as say, saying(command) if command else nullcontext() as say_command:
         say(made.gcode.decode())
-    if command:
-        with saying(command) as say:
-            say(made.command)
+        if say_command:
+            say_command(made.command)
     if not quiet:
         click.echo(made.summary.text(), err=True)
     if json_to:
