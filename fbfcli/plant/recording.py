@@ -8,15 +8,12 @@ import numpy as np
 
 from fbfcli.plant.excitation import Sweep
 
-KINDS = ("pair", "klipper raw", "psd", "duet", "ulendo", "adxl", "frf")
-QUANTITIES = ("acceleration", "velocity", "position")
-
 
 @dataclass(frozen=True)
 class Recording:
     """One capture.
 
-    kind     : of KINDS; only a 'pair' holds its command
+    kind     : 'pair', 'klipper raw', 'duet', 'ulendo' or 'adxl'; only a 'pair' holds its command
     name     : the file, for messages
     fs       : true sampling rate, estimated from the times where there are any [Hz]
     t        : ndarray, shape (n,)     from 0, rising, as given [s]
@@ -25,7 +22,7 @@ class Recording:
     command  : ndarray, shape (n,)     commanded, of `axis`; None where it is not recorded [mm/s^2]
     axis     : 'x', 'y' or None: the axis that was moved, where the file tells
     sweep    : what the test commands, where the file tells
-    quantity : of QUANTITIES; command and measurement of a pair may be velocities or positions [mm/s, mm] instead:
+    quantity : 'acceleration'; command and measurement of a pair may be of 'velocity' or 'position' [mm/s, mm] instead:
                their ratio is the same response
     notes    : what was repaired or looks odd (gaps, clipping, tilt, overflows), with places
     """
