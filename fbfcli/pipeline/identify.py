@@ -14,19 +14,19 @@ from fbfcli.pipeline.identified import Capture, Identified, Measured
 from fbfcli.plant import acceleration_error
 from fbfcli.plant.alignment import Pair, paired
 from fbfcli.plant.excitation import Sweep
-from fbfcli.plant.fit import candidates
+from fbfcli.plant.fit import Candidate, candidates
 from fbfcli.plant.free_decay import free_decay
-from fbfcli.plant.frf import Frf, combined, from_table, frf, trusted
+from fbfcli.plant.frf import Frf, combined, frf, from_table, trusted
 from fbfcli.plant.intervals import ModeEstimate, covariance, draws, mode_estimates
 from fbfcli.plant.mechanical_hints import hints_of_groups, hints_of_modes, hints_of_response
 from fbfcli.plant.model import Plant, plant_of
 from fbfcli.plant.power_fit import power_fit
 from fbfcli.plant.rational import Rational, profile_model
-from fbfcli.plant.recording import PowerSpectrum, Read, ReadOptions, Recording, ResponseTable
+from fbfcli.plant.recording import PowerSpectrum, ReadOptions, Recording, ResponseTable
 from fbfcli.plant.recordings import read_recordings
 from fbfcli.plant.shape import model_of
 from fbfcli.plant.shaper_score import Scored, best_shaper, klipper_spectrum, most_acceleration, normalised
-from fbfcli.plant.spectra import AVERAGING, Spectra, together, window_seconds
+from fbfcli.plant.spectra import AVERAGING, Spectra, window_seconds
 from fbfcli.plant.spread import group_fits, group_spread, noise_spread
 from fbfcli.printer import Model
 
@@ -99,7 +99,7 @@ def _from_pairs(captures: Sequence[Recording], pairs: Sequence[Pair], ask: Ask) 
     band = low, min([high, *ends])
     labels, groups = _groups(captures, pairs, axis, band, ask)
     response = trusted(_drifting(frf(combined(groups), ask.estimator, _amplitude(pairs)), pairs))
-    found = candidates(response)
+    found = _fitted(response, [c.name for c in captures])
     best, cov = found[0], covariance(response, found[0])
     apart = [trusted(_drifting(frf(group, ask.estimator), pairs)) for group in groups] if len(groups) > 1 else []
     fits = group_fits(apart, best)
@@ -145,6 +145,14 @@ def _groups(
     ]
 
 
+def _fitted(response: Frf, names: Sequence[str]) -> tuple[Candidate, ...]:
+    """Shapes fitted, the chosen one first; errors get the files' names."""
+    try:
+        return candidates(response)
+    except ModelError as error:
+        raise RecordingError(str(error), file=", ".join(names)) from None
+
+
 def _off_axis(pair: Pair, name: str, axis: str, band: tuple[float, float], ask: Ask) -> Frf:
     """How another column answers the command of this axis."""
     return trusted(frf(AVERAGING[ask.averaging](pair.command, pair.response[:, pair.columns.index(name)], pair.fs, band)))
@@ -182,7 +190,7 @@ def _from_table(table: ResponseTable, ask: Ask) -> Identified:
     if not table.has_phase:
         return _from_magnitude(table.name, axis, table.frequency, np.abs(table.response) ** 2, 0.0, table.notes, ask)
     response = from_table(table.frequency, table.response, table.coherence)
-    found = candidates(response)
+    found = _fitted(response, [table.name])
     best, cov = found[0], covariance(response, found[0])
     modes = _worth_telling(mode_estimates(best, cov))
     possible = [profile_model(one, ask.dt) for one in draws(best, cov, DRAWS, np.random.default_rng(SEED))]

@@ -22,6 +22,7 @@ NORMAL_95 = 1.96
 POINTS = 800
 WIDE_IN, PANEL_IN = 9.0, 2.3
 SEGMENT_S = 0.5  # of the spectrogram
+SEGMENTS = 8  # at least
 HIGHEST_HZ = 250.0
 RANGE_DB = 60.0
 
@@ -79,7 +80,7 @@ def power_picture(title: str, f: np.ndarray, power: np.ndarray, rise: float, mod
     figure, (axes,) = _figure(title, 1)
     kept = (f > 1) & (f < HIGHEST_HZ) & (power > 0)
     shape = np.abs(response(model, f[kept])) ** 2 * f[kept] ** rise
-    scale = np.exp(np.median(np.log(power[kept] / shape)))
+    scale = np.exp(np.average(np.log(power[kept] / shape), weights=np.sqrt(power[kept])))
     axes.semilogy(f[kept], power[kept], color=DATA, lw=1, label="measured")
     axes.semilogy(f[kept], scale * shape, color=MODEL, lw=1.2, label="model, minimum phase assumed")
     for mode in modes:
@@ -132,7 +133,7 @@ def _model(f: np.ndarray, model: Rational, possible: Sequence[Rational], magnitu
 
 
 def _spectrogram(axes: Axes, name: str, fs: float, y: np.ndarray) -> None:
-    size = min(int(SEGMENT_S * fs), len(y))
+    size = max(8, min(int(SEGMENT_S * fs), len(y) // SEGMENTS))
     f, t, power = spectrogram(y, fs, "hann", size, size // 2)
     kept = f < HIGHEST_HZ
     level = 10 * np.log10(power[kept] / power[kept].max() + 1e-12)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
-from scipy.signal import csd, welch
+from scipy.signal import get_window
 
 from fbfcli.plant.excitation import Sweep, acceleration
 
@@ -29,6 +29,7 @@ WINDOWS = 3  # at least, in one recording
 SEARCHES = ((30.0, 20.0, 36), (80.0, 1.0, 8), (200.0, 0.5, 8))
 NEIGHBOURS = 4  # on each side of a largest value, through which a parabola is laid
 FINE_DELAY = 2e-5  # s, steps of the last search
+LOWEST = 1.0  # Hz: below, J would see the drift of the sensor
 HEARD = 1e-6  # of the command's largest power: where it has less it says nothing
 TOP = 250.0  # Hz: nothing above is looked at
 
@@ -134,12 +135,19 @@ def _pivot(track: Track, sweep: Sweep, clock: float, delay: float) -> float:
 
 def _explained(track: Track, sweep: Sweep, clock: float, delay: float, top: float) -> float:
     """J, up to `top` [Hz]."""
-    u = acceleration(sweep, clock * track.t + delay, clock / track.fs)
-    size = int(min(WINDOW, track.t[-1] / WINDOWS) * track.fs)
-    f, S_uy = csd(u, track.y, track.fs, nperseg=size, detrend="constant")
-    S_uu, S_yy = (welch(v, track.fs, nperseg=size, detrend="constant")[1] for v in (u, track.y))
-    band = (f >= 1.0) & (f <= min(top, 0.4 * track.fs)) & (S_uu > HEARD * S_uu.max()) & (S_yy > 0.0)
-    return float(np.sum(np.abs(S_uy[band]) ** 2 / (S_uu[band] * np.sqrt(S_yy[band]))))
+    U = _windows(acceleration(sweep, clock * track.t + delay, clock / track.fs), track.fs, top)
+    Y = _windows(track.y, track.fs, top)
+    S_uy, S_uu, S_yy = np.sum(U.conj() * Y, axis=0), np.sum(np.abs(U) ** 2, axis=0), np.sum(np.abs(Y) ** 2, axis=0)
+    heard = (S_uu > HEARD * S_uu.max()) & (S_yy > 0.0)
+    return float(np.sum(np.abs(S_uy[heard]) ** 2 / (S_uu[heard] * np.sqrt(S_yy[heard]))))
+
+
+def _windows(x: np.ndarray, fs: float, top: float) -> np.ndarray:
+    """Spectra of Hann windows that overlap by half, shape (windows, lines from LOWEST to `top`)."""
+    size = int(min(WINDOW, len(x) / fs / WINDOWS) * fs)
+    parts = np.lib.stride_tricks.sliding_window_view(x, size)[:: size // 2]
+    lines = slice(*(int(edge * size / fs) for edge in (LOWEST, min(top, 0.4 * fs))))
+    return np.asarray(rfft(parts * get_window("hann", size), axis=1)[:, lines])
 
 
 def _top(x: np.ndarray, y: np.ndarray) -> float:

@@ -21,10 +21,11 @@ from fbfcli.plant.rational import Rational, Resonance
 
 RATE_HZ = 700.0  # enough for printers' modes; a capture is brought down to it
 LEAST_HZ, MOST_HZ = 8.0, 250.0
-DAMPING = (2e-3, 0.5)
+DAMPING = (2e-3, 0.3)
 MOST_MODES = 3
 LONGEST_S = 1.5
 EXPLAINED = 0.5  # of the power of the capture: less is no ringing
+FAINT = 0.1  # of the largest amplitude: smaller ones are no modes
 FALL = 0.5  # of the rms, from the first third of the capture to the last: what does not fall is driven
 
 
@@ -62,7 +63,16 @@ def free_decay(measured: np.ndarray, fs: float) -> FreeDecay:
     order = np.argsort(-(np.abs(r) ** 2 / np.maximum(1 - np.abs(p) ** 2, 1e-6))[good])[:MOST_MODES]
     if not len(order):
         raise ModelError("no mode between 8 and 250 Hz rings in it")
-    return _refined(t, y, w[good][order], zeta[good][order])
+    fit = _refined(t, y, w[good][order], zeta[good][order])
+    kept = [r for r in fit.model.resonances if r.gain > FAINT * max(one.gain for one in fit.model.resonances)
+            and DAMPING[0] < r.damping < 0.99 * DAMPING[1] and LEAST_HZ < r.frequency < MOST_HZ]  # fmt: skip
+    if not kept:
+        raise ModelError("no mode between 8 and 250 Hz rings in it")
+    if len(kept) < len(order):
+        fit = _refined(t, y, 2 * np.pi * np.array([r.frequency for r in kept]), np.array([r.damping for r in kept]))
+    if fit.explained < EXPLAINED:
+        raise ModelError(f"decaying modes explain {100 * fit.explained:.0f} % of it: something else moved the machine")
+    return fit
 
 
 def _refined(t: np.ndarray, y: np.ndarray, w: np.ndarray, zeta: np.ndarray) -> FreeDecay:
@@ -76,12 +86,11 @@ def _refined(t: np.ndarray, y: np.ndarray, w: np.ndarray, zeta: np.ndarray) -> F
         return A @ c, np.hypot(c[:n], c[n:])
 
     low = np.concatenate((np.log(0.8 * w), np.full(n, np.log(DAMPING[0] / 2))))
-    high = np.concatenate((np.log(1.25 * w), np.full(n, np.log(2 * DAMPING[1] * 0.95))))
-    found = least_squares(lambda x: fitted(x)[0] - y, np.concatenate((np.log(w), np.log(zeta))), bounds=(low, high))
+    high = np.concatenate((np.log(1.25 * w), np.full(n, np.log(DAMPING[1]))))
+    found = least_squares(lambda x: fitted(x)[0] - y, np.clip(np.concatenate((np.log(w), np.log(zeta))), low + 1e-6, high - 1e-6),
+                          bounds=(low, high), max_nfev=100)  # fmt: skip
     curve, amplitude = fitted(found.x)
     explained = 1 - float(np.var(y - curve) / np.var(y))
-    if explained < EXPLAINED:
-        raise ModelError(f"decaying modes explain {100 * explained:.0f} % of it: something else moved the machine")
     cov = np.linalg.pinv(found.jac.T @ found.jac) * float(np.sum((y - curve) ** 2)) / max(len(y) - 4 * n, 1)
     spread = np.sqrt(np.diag(cov))
     f, damping, gain = np.exp(found.x[:n]) / (2 * np.pi), np.exp(found.x[n:]), amplitude / amplitude.sum()

@@ -46,12 +46,18 @@ def covariance(frf: Frf, best: Candidate) -> np.ndarray:
     """Of theta, shape (size, size)."""
     J, r = best.derivatives, best.residual
     _, known = prior(best.shape, best.theta, frf)
-    inverse = np.linalg.pinv((J.conj().T @ J).real + known.T @ known, hermitian=True)
+    inverse = _inverse((J.conj().T @ J).real + known.T @ known)
     # each line pulls the fit towards itself and so leaves less over: h is its share in its own fit (HC3)
     h = 0.5 * np.einsum("mi,ij,mj->m", J.conj(), inverse, J).real
     v = neighbours_mean(np.abs(r / np.maximum(1 - h, 0.1)) ** 2, NEIGHBOURS) * correlation_length(r)
     B = 0.5 * ((J.conj().T * v) @ J).real + known.T @ known
     return np.asarray(inverse @ B @ inverse)
+
+
+def _inverse(A: np.ndarray) -> np.ndarray:
+    """The inverse of a matrix whose rows have units as different as 1 and seconds per Hz."""
+    size = np.sqrt(np.maximum(np.diag(A), 1e-300))
+    return np.asarray(np.linalg.pinv(A / np.outer(size, size), hermitian=True) / np.outer(size, size))
 
 
 def mode_estimates(best: Candidate, cov: np.ndarray) -> tuple[ModeEstimate, ...]:

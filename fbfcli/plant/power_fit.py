@@ -61,8 +61,10 @@ def _fitted(f: np.ndarray, logP: np.ndarray, starts: np.ndarray) -> PowerFit:
     low = np.concatenate(([-np.inf], np.full(n, np.log(f[0])), np.full(n, np.log(DAMPING[0])), np.full(n - 1, -8.0)))
     high = np.concatenate(([np.inf], np.full(n, np.log(f[-1])), np.full(n, np.log(DAMPING[1])), np.full(n - 1, 4.0)))
 
+    weight = np.exp(0.25 * (logP - logP.max()))  # the peaks are what shakes a print, skirts hold noise
+
     def residual(x: np.ndarray) -> np.ndarray:
-        return x[0] + 2 * np.log(np.abs(response(_model(x, n), f))) - logP
+        return weight * (x[0] + 2 * np.log(np.abs(response(_model(x, n), f))) - logP)
 
     found = least_squares(residual, np.clip(start, low + 1e-6, high - 1e-6), bounds=(low, high), loss="soft_l1")
     left = residual(found.x)

@@ -66,7 +66,8 @@ def polynomials(model: Rational) -> tuple[np.ndarray, np.ndarray]:
         for r in model.resonances
         for w in [2 * np.pi * r.frequency]
     ] + [(np.array([lag.gain * lag.rate]), np.array([1.0, lag.rate])) for lag in model.lags]
-    b, a = np.zeros(1), np.ones(1)
+    b: np.ndarray = np.zeros(1)
+    a: np.ndarray = np.ones(1)
     for num, den in parts:
         b, a = np.polyadd(np.polymul(b, den), np.polymul(num, a)), np.polymul(a, den)
     return b, a
@@ -80,12 +81,13 @@ def zeros(model: Rational) -> np.ndarray:
 
 def discretised(model: Rational, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """b, a of z^0, z^-1, ... for a command that is linear between samples dt [s] apart, as a planner's is."""
-    b, a = np.zeros(1), np.ones(1)
+    b: np.ndarray = np.zeros(1)
+    a: np.ndarray = np.ones(1)
     for part in [*(Rational((r,)) for r in model.resonances), *(Rational((), (lag,)) for lag in model.lags)]:
         b_s, a_s = polynomials(part)
         num, den, _ = cont2discrete((np.trim_zeros(b_s, "f"), a_s), dt, method="foh")
-        num = np.concatenate((np.zeros(len(den) - np.size(num)), np.ravel(num)))
-        b, a = np.polyadd(np.polymul(b, den), np.polymul(num, a)), np.polymul(a, den)
+        padded = np.concatenate((np.zeros(len(den) - np.size(num)), np.ravel(num)))
+        b, a = np.polyadd(np.polymul(b, den), np.polymul(padded, a)), np.polymul(a, den)
     return b, a
 
 
