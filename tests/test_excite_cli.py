@@ -138,6 +138,14 @@ def test_what_cannot_be_is_one_line(words, told, capsys):
     assert os.listdir() == []
 
 
+def test_a_printer_that_nobody_has_measured_yet(tmp_path):
+    text = bundled_files()["synthetic_bed_slinger"].read_text()
+    without = re.sub(r"\[axis\.[xy]\.model\]\nmodes.*\n", "", text)
+    assert "modes" not in without
+    (tmp_path / "new.toml").write_text(without)
+    assert run("-p", "new.toml", "--axis", "x") == 0
+
+
 def test_a_bed_that_is_too_small(tmp_path, capsys):
     text = bundled_files()["taz6"].read_text().replace("travel = [-20.0, 300.0]", "travel = [0.0, 18.0]")
     (tmp_path / "small.toml").write_text(text)
