@@ -19,9 +19,10 @@ import numpy as np
 from simulated_recordings import Response, discrete, drawn_sensor, modal, recorded
 
 from fbfcli.cli.lookup import bundled
+from fbfcli.pipeline.ask import Ask
 from fbfcli.pipeline.excite import excite
 from fbfcli.pipeline.identified import Identified
-from fbfcli.pipeline.identify import Ask, identify_captures
+from fbfcli.pipeline.identify import identify_captures
 from fbfcli.plant.excitation import Sweep
 from fbfcli.plant.klipper_test import klipper_test
 from fbfcli.plant.model import modes, plant_of
@@ -32,6 +33,10 @@ from fbfcli.printer import Mode, TransferFunction
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "identify.md"
 BEGIN, END = "<!-- table: benchmarks/identify_truth.py --write -->", "<!-- end of table -->"
+HEAD = (
+    "| test | plant | draws | frequency, worst | damping, worst | lines of coherence > 0.9 within 5 % and 5° | "
+    "model on these lines, worst | delay of the model, worst | truth in the 95 % interval |"
+)
 DRAWS = 50
 COHERENT = 0.9
 FREQUENCY, DAMPING = (20.0, 80.0), (0.02, 0.15)  # that modes are drawn from
@@ -49,10 +54,13 @@ class Truth:
 
 @dataclass(frozen=True)
 class Score:
-    """One draw. Errors of frequency and damping [1] of each mode, whether its 95 % intervals hold the truth; largest
-    error of |H| [1] and of phase [deg] where the coherence is above 0.9; the same of the model; part of these lines that is
-    within 5 % and 5 deg; delay of the model against the truth [s], which no recording with an unknown start can tell and
-    which is taken out of the phases."""
+    """One draw.
+
+    frequency, damping : errors of each mode [1];  held: whether its 95 % intervals hold the truth
+    magnitude, phase   : largest errors [1], [deg] of the response where the coherence is above 0.9; then the model's
+    within             : part of these lines within 5 % and 5 deg
+    delay              : of the model against the truth [s], taken out of the phases: an unknown start hides it
+    """
 
     frequency: tuple[float, ...]
     damping: tuple[float, ...]
@@ -160,8 +168,7 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help=f"put the table into {PAGE.relative_to(ROOT)}")
     parser.add_argument("--test", action="append", choices=["Klipper", "fbf excite"], help="only this one")
     wanted = parser.parse_args()
-    lines = ["| test | plant | draws | frequency, worst | damping, worst | lines of coherence > 0.9 within 5 % and 5° | model "
-             "on these lines, worst | delay of the model, worst | truth in the 95 % interval |", "|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
+    lines = [HEAD, "|---" * HEAD.count(" | ") + "|---|"]
     print("\n".join(lines), flush=True)
     for kind, sweep in sweeps().items():
         if wanted.test and kind not in wanted.test:

@@ -29,7 +29,8 @@ def found(*arguments: object) -> dict:
 
 
 @pytest.mark.parametrize(
-    "file", ["commanded_measured/ulendo_ender3v2neo_y_240529_143933_paired.csv", "ulendo/ender3v2neo_y_240529_143933.json"]
+    "file",
+    ["commanded_measured/ulendo_ender3v2neo_y_240529_143933_paired.csv", "ulendo/ender3v2neo_y_240529_143933.json"],
 )
 def test_ulendo_s_published_answer(resonance, file):
     told = json.loads(json.loads((resonance / "ulendo" / "json_response_240529_143933.json").read_text())["gui_data"])

@@ -53,7 +53,9 @@ def test_names_that_toml_cannot_hold_are_made_so():
     assert parse_printer(with_model(new_profile('a"b\\\n', ""), "p", "x", MODES, None, 'q"'), "p").name == "ab"
 
 
-@pytest.mark.parametrize("text, why", [("[printer", "not TOML"), ("[printer]\n", "axis.x is missing"), ("axis = 3", "missing")])
+@pytest.mark.parametrize(
+    "text, why", [("[printer", "not TOML"), ("[printer]\n", "axis.x is missing"), ("axis = 3", "missing")]
+)
 def test_what_is_no_profile_is_refused(text, why):
     with pytest.raises(ProfileError, match=why):
         with_model(text, "p.toml", "x", MODES, None, "a")

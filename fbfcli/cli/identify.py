@@ -56,9 +56,9 @@ def identify(
 ) -> None:
     """Find how an axis vibrates from recordings of its acceleration, and write it into a printer profile.
 
-    Recordings of one axis are combined. They are recognised by what they hold: command and measurement, Klipper's raw data
-    and spectra, RepRapFirmware's M956, Ulendo's JSON, frequency responses. The command of a known test is rebuilt and
-    aligned. Comments in a profile stay.
+    Recordings of one axis are combined. They are recognised by what they hold: command and measurement, Klipper's raw
+    data and spectra, RepRapFirmware's M956, Ulendo's JSON, frequency responses. The command of a known test is rebuilt
+    and aligned. Comments in a profile stay.
 
     \b
     fbf identify raw_data_x_20240101_120000.csv --axis x -o my_printer.toml --plot bode.png
@@ -91,7 +91,8 @@ def _check_targets(output: str | None, plot_to: str | None, json_to: str | None)
 
 
 def _identified(files: tuple[str, ...], how: dict[str, Any]) -> Identified:
-    from fbfcli.pipeline.identify import Ask, identify
+    from fbfcli.pipeline.ask import Ask
+    from fbfcli.pipeline.identify import identify
     from fbfcli.plant.recording import ReadOptions
 
     if how["band"][0] * 2 > how["band"][1]:
@@ -138,7 +139,8 @@ def _write_profile(output: str, found: Identified) -> None:
         with reading(output) as stream:
             text = _decoded(stream.read(), output)
     else:
-        text = new_profile(Path(output).stem if output != DASH else "my printer", "measured; limits and travel are guesses")
+        name = Path(output).stem if output != DASH else "my printer"
+        text = new_profile(name, "measured; limits and travel are guesses")
     text = with_model(text, output, found.axis, found.model, found.spread, found.note())
     parse_printer(text, output, lambda name: (Path(output).parent / name).read_text(encoding="utf-8-sig"))
     with saying(output) as say:

@@ -93,7 +93,9 @@ class Identified:
             "assumed": self.assumed,
             "model": {"form": type(self.model).__name__, **asdict(self.model)},
             "modes": [asdict(mode) for mode in self.modes],
-            "zeros": [{"re": z.real, "im": z.imag, "nonminimum_phase": z.real > 0} for z in zeros(self.rational).tolist()],
+            "zeros": [
+                {"re": z.real, "im": z.imag, "nonminimum_phase": z.real > 0} for z in zeros(self.rational).tolist()
+            ],
             "uncertainty": {"form": type(self.spread).__name__, **asdict(self.spread)},
             "klipper_shaper": asdict(self.shaper) if self.shaper else None,
             "klipper_shapers": [asdict(one) for one in self.shapers],
@@ -133,7 +135,7 @@ def _fit_rows(found: Identified) -> list[tuple[str, str]]:
         ("response", f"{len(frf.H)} lines, {frf.frequency[0]:.1f} to {frf.frequency[-1]:.1f} Hz, "
                      f"coherence {np.median(frf.coherence):.3f} (median)"),
         ("fit", f"{best.shape}: {100 * best.misfit:.1f} % left over"),
-        ("beside it", f"sensor's gain {gain:.3f}, delay {delay:+.2f} ms, clock {1e6 * drift:+.2f} us/Hz: not in the model"),
+        ("beside it", f"sensor's gain {gain:.3f}, delay {delay:+.2f} ms, clock {1e6 * drift:+.2f} us/Hz: not in it"),
     ]  # fmt: skip
     rows += [
         ("zero", f"{abs(z) / (2 * np.pi):.1f} Hz is outside the stable region: its exact inverse would be unstable")
@@ -154,8 +156,9 @@ def _advice_rows(found: Identified) -> list[tuple[str, str]]:
         rows.append(("", f"up to {_accel(found.compensated)} compensated, as far as the model is certain"))
     if found.shaper:
         s = found.shaper
-        rows.append(("Klipper's", f"{s.name} at {s.frequency:.1f} Hz: {100 * s.vibrations:.1f} % vibration left, smoothing "
-                     f"{s.smoothing:.3f} mm, suggested acceleration up to {_accel(found.shaper_acceleration)}"))  # fmt: skip
+        rows.append(("Klipper's", f"{s.name} at {s.frequency:.1f} Hz: {100 * s.vibrations:.1f} % vibration left, "
+                     f"smoothing {s.smoothing:.3f} mm, suggested acceleration up to "
+                     f"{_accel(found.shaper_acceleration)}"))  # fmt: skip
     return rows
 
 
@@ -172,7 +175,9 @@ def _response_dict(measured: Measured) -> dict[str, object]:
             "sensor_gain": float(np.exp(best.theta[0])),
             "delay": float(best.theta[1]),
             "drift": float(best.theta[2]),
-            "orders": [{"shape": str(c.shape), "criterion": c.criterion, "misfit": c.misfit} for c in measured.candidates],
+            "orders": [
+                {"shape": str(c.shape), "criterion": c.criterion, "misfit": c.misfit} for c in measured.candidates
+            ],
         },
         "response": {
             "frequency": frf.frequency.tolist(),

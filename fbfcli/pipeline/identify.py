@@ -3,32 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
-from fbfcli.control.shapers import impulses
 from fbfcli.errors import ModelError, RecordingError
+from fbfcli.pipeline.ask import Ask
+from fbfcli.pipeline.conclusions import concluded, klipper_choice
 from fbfcli.pipeline.identified import Capture, Identified, Measured
-from fbfcli.plant import acceleration_error
 from fbfcli.plant.alignment import Pair, paired
-from fbfcli.plant.excitation import Sweep
 from fbfcli.plant.fit import Candidate, candidates
 from fbfcli.plant.free_decay import free_decay
 from fbfcli.plant.frf import Frf, combined, frf, from_table, trusted
 from fbfcli.plant.intervals import ModeEstimate, covariance, draws, mode_estimates
 from fbfcli.plant.mechanical_hints import hints_of_groups, hints_of_modes, hints_of_response
-from fbfcli.plant.model import Plant, plant_of
 from fbfcli.plant.power_fit import power_fit
-from fbfcli.plant.rational import Rational, profile_model
-from fbfcli.plant.recording import PowerSpectrum, ReadOptions, Recording, ResponseTable
+from fbfcli.plant.rational import profile_model
+from fbfcli.plant.recording import PowerSpectrum, Recording, ResponseTable
 from fbfcli.plant.recordings import read_recordings
 from fbfcli.plant.shape import model_of
-from fbfcli.plant.shaper_score import Scored, best_shaper, klipper_spectrum, most_acceleration, normalised
+from fbfcli.plant.shaper_score import klipper_spectrum, normalised
 from fbfcli.plant.spectra import AVERAGING, Spectra, window_seconds
 from fbfcli.plant.spread import group_fits, group_spread, noise_spread
-from fbfcli.printer import Model
 
 CLOCK_FOUND, CLOCK_GIVEN = 2e-6, 5e-5  # standard deviation of a clock that was found here, and of a recorded pair's
 KLIPPER_RISE = 2.0  # of the power of an acceleration that grows with frequency
@@ -36,30 +32,6 @@ MINIMUM_PHASE = "minimum phase (the recording holds no phase)"
 RINGING = "gains from a free decay, minimum phase (nothing is known of the command)"
 DRAWS, SEED = 12, 1
 MODE_SHARE = 0.02  # of the strongest mode's peak: weaker ones are no modes worth telling
-
-
-@dataclass(frozen=True)
-class Ask:
-    """What a user says beside the recordings.
-
-    axis      : 'x', 'y', or None: the file tells
-    sweep     : the test that was run, None: found or told by the file
-    band      : [Hz]
-    averaging : of plant.spectra.AVERAGING
-    estimator : of plant.frf.ESTIMATORS
-    error     : [mm], that accelerations are told for
-    dt        : period of a discrete model [s]
-    read      : how files are to be read
-    """
-
-    axis: str | None = None
-    sweep: Sweep | None = None
-    band: tuple[float, float] = (5.0, 200.0)
-    averaging: str = "short-time"
-    estimator: str = "h1"
-    error: float = 0.05
-    dt: float = 1e-3
-    read: ReadOptions = field(default_factory=ReadOptions)
 
 
 def identify(files: Sequence[tuple[str, bytes]], ask: Ask) -> Identified:
@@ -92,7 +64,9 @@ def identify_captures(captures: Sequence[Recording], ask: Ask) -> Identified:
 def _from_pairs(captures: Sequence[Recording], pairs: Sequence[Pair], ask: Ask) -> Identified:
     axes = {pair.axis for pair in pairs}
     if len(axes) > 1:
-        raise RecordingError("recordings of both axes", file=", ".join(c.name for c in captures), remedy="give one --axis")
+        raise RecordingError(
+            "recordings of both axes", file=", ".join(c.name for c in captures), remedy="give one --axis"
+        )
     axis = axes.pop()
     low, high = ask.band
     ends = [pair.sweep.f1 for pair in pairs if pair.sweep is not None]
@@ -105,7 +79,9 @@ def _from_pairs(captures: Sequence[Recording], pairs: Sequence[Pair], ask: Ask) 
     fits = group_fits(apart, best)
     modes = _worth_telling(mode_estimates(best, cov))
     rational = model_of(best.shape, best.theta)
-    off_axis = [(name, _off_axis(pairs[0], name, axis, band, ask)) for name in pairs[0].columns if name not in (axis, "z")]
+    off_axis = [
+        (name, _off_axis(pairs[0], name, axis, band, ask)) for name in pairs[0].columns if name not in (axis, "z")
+    ]
     strongest = [mode_estimates(fit, np.zeros_like(cov))[0].frequency.value for fit in fits]
     hints = (
         *hints_of_response(response, off_axis, float(np.exp(best.theta[0]))),
@@ -114,7 +90,7 @@ def _from_pairs(captures: Sequence[Recording], pairs: Sequence[Pair], ask: Ask) 
     )
     possible = [profile_model(one, ask.dt) for one in draws(best, cov, DRAWS, np.random.default_rng(SEED))]
     possible += [profile_model(model_of(fit.shape, fit.theta), ask.dt) for fit in fits]
-    told = _told(axis, [c.name for c in captures], "", rational, modes, ask, possible,
+    told = concluded(axis, [c.name for c in captures], "", rational, modes, ask, possible,
                   _klipper_sees(captures[0], pairs[0], response, off_axis))  # fmt: skip
     return replace(
         told,
@@ -155,7 +131,9 @@ def _fitted(response: Frf, names: Sequence[str]) -> tuple[Candidate, ...]:
 
 def _off_axis(pair: Pair, name: str, axis: str, band: tuple[float, float], ask: Ask) -> Frf:
     """How another column answers the command of this axis."""
-    return trusted(frf(AVERAGING[ask.averaging](pair.command, pair.response[:, pair.columns.index(name)], pair.fs, band)))
+    return trusted(
+        frf(AVERAGING[ask.averaging](pair.command, pair.response[:, pair.columns.index(name)], pair.fs, band))
+    )
 
 
 def _klipper_sees(
@@ -166,7 +144,9 @@ def _klipper_sees(
         f, psd = klipper_spectrum(capture.measured, capture.fs)
         return f, normalised(f, psd)
     f = response.frequency
-    return f, f * sum(np.interp(f, r.frequency, np.abs(r.H) ** 2) for r in (response, *(r for _, r in off_axis if len(r.H))))
+    return f, f * sum(
+        np.interp(f, r.frequency, np.abs(r.H) ** 2) for r in (response, *(r for _, r in off_axis if len(r.H)))
+    )
 
 
 def _drifting(response: Frf, pairs: Sequence[Pair]) -> Frf:
@@ -194,7 +174,7 @@ def _from_table(table: ResponseTable, ask: Ask) -> Identified:
     best, cov = found[0], covariance(response, found[0])
     modes = _worth_telling(mode_estimates(best, cov))
     possible = [profile_model(one, ask.dt) for one in draws(best, cov, DRAWS, np.random.default_rng(SEED))]
-    told = _told(axis, [table.name], "", model_of(best.shape, best.theta), modes, ask, possible, None)
+    told = concluded(axis, [table.name], "", model_of(best.shape, best.theta), modes, ask, possible, None)
     hints = (*hints_of_response(response, (), float(np.exp(best.theta[0]))), *hints_of_modes(modes))
     return replace(told, notes=table.notes, hints=hints, measured=Measured(response, (), found, cov))
 
@@ -211,7 +191,7 @@ def _from_power(spectrum: PowerSpectrum, ask: Ask) -> Identified:
     found = _from_magnitude(spectrum.name, axis, spectrum.frequency, power, rise, spectrum.notes, ask)
     total = spectrum.power[:, spectrum.columns.index("xyz")] if "xyz" in spectrum.columns else power
     psd = total if spectrum.shapers else normalised(spectrum.frequency, total)
-    shaper, kinds, most = _shaper((spectrum.frequency, psd))
+    shaper, kinds, most = klipper_choice((spectrum.frequency, psd))
     return replace(found, shaper=shaper, shapers=kinds, shaper_acceleration=most)
 
 
@@ -223,7 +203,7 @@ def _from_magnitude(
         fit = power_fit(f[kept], power[kept], rise)[0]
     except ModelError as error:
         raise RecordingError(str(error), file=name, remedy="record a test of the whole band") from None
-    told = _told(axis, [name], MINIMUM_PHASE, fit.model, fit.modes, ask, None, None)
+    told = concluded(axis, [name], MINIMUM_PHASE, fit.model, fit.modes, ask, None, None)
     return replace(told, notes=notes, hints=hints_of_modes(fit.modes), power=(f, power, rise))
 
 
@@ -236,7 +216,7 @@ def _from_decay(capture: Recording, ask: Ask, unknown: RecordingError) -> Identi
         fit = free_decay(capture.measured[:, capture.columns.index(axis)], capture.fs)
     except ModelError as error:
         raise RecordingError(f"{unknown}; and as a free decay: {error}") from None
-    told = _told(axis, [capture.name], RINGING, fit.model, fit.modes, ask, None, None)
+    told = concluded(axis, [capture.name], RINGING, fit.model, fit.modes, ask, None, None)
     captures = (Capture(capture.name, capture.fs, capture.measured[:, capture.columns.index(axis)]),)
     return replace(told, notes=capture.notes, hints=hints_of_modes(fit.modes), decay=fit, captures=captures)
 
@@ -246,54 +226,6 @@ def _axis(told: str | None, name: str, ask: Ask) -> str:
     if axis is None:
         raise RecordingError("the file does not tell which axis was moved", file=name, remedy="give --axis")
     return axis
-
-
-def _told(
-    axis: str, names: Sequence[str], assumed: str, rational: Rational, modes: tuple[ModeEstimate, ...], ask: Ask,
-    possible: Sequence[Model] | None, psd: tuple[np.ndarray, np.ndarray] | None,
-) -> Identified:  # fmt: skip
-    """What follows from a model, whatever it was found from."""
-    model = profile_model(rational, ask.dt)
-    plant = plant_of(model, ask.dt, axis.upper())
-    left = None
-    if possible is not None:
-        others = _plants(possible, ask.dt, axis.upper())
-        left = acceleration_error.most_acceleration([acceleration_error.difference(plant, o) for o in others], ask.error)
-    shaper, kinds, most = _shaper(psd)
-    return Identified(
-        axis=axis,
-        source=tuple(names),
-        assumed=assumed,
-        model=model,
-        rational=rational,
-        modes=modes,
-        spread=noise_spread(modes),
-        notes=(),
-        hints=(),
-        shaper=shaper,
-        shapers=kinds,
-        shaper_acceleration=most,
-        error=ask.error,
-        uncompensated=acceleration_error.most_acceleration([acceleration_error.following_error(plant)], ask.error),
-        compensated=left,
-    )
-
-
-def _plants(models: Sequence[Model], dt: float, axis: str) -> list[Plant]:
-    """Plants of those models that make one: a draw may have no damping left."""
-    plants = []
-    for model in models:
-        with suppress(ModelError):
-            plants.append(plant_of(model, dt, axis))
-    return plants
-
-
-def _shaper(psd: tuple[np.ndarray, np.ndarray] | None) -> tuple[Scored | None, tuple[Scored, ...], float]:
-    """Klipper's choice, those of each kind, and the acceleration that it suggests."""
-    if psd is None:
-        return None, (), float("nan")
-    best, kinds = best_shaper(*psd, impulses)
-    return best, kinds, most_acceleration(*impulses(best.name, best.frequency, 0.1))
 
 
 def _worth_telling(modes: tuple[ModeEstimate, ...]) -> tuple[ModeEstimate, ...]:

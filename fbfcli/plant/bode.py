@@ -1,4 +1,4 @@
-"""Pictures of what was identified: response, model and their uncertainty over frequency, and the recording over time."""
+"""Pictures of what was identified: response and model with their uncertainty, and the recording over time."""
 
 from __future__ import annotations
 
@@ -111,7 +111,8 @@ def _data(frf: Frf, outside: tuple[float, float, float], magnitude: Axes, phase:
     H = frf.H / gain * np.exp(2j * np.pi * frf.frequency * (delay + drift * frf.frequency))
     error = NORMAL_95 * frf.sd / gain
     size = np.abs(H)
-    magnitude.fill_between(frf.frequency, np.maximum(size - error, 1e-3 * size), size + error, color=DATA, alpha=0.25, lw=0)
+    low = np.maximum(size - error, 1e-3 * size)
+    magnitude.fill_between(frf.frequency, low, size + error, color=DATA, alpha=0.25, lw=0)
     magnitude.plot(frf.frequency, size, ".", ms=3, color=DATA, label="measured, 95 %")
     angle = np.degrees(np.unwrap(np.angle(H)))
     wide = np.degrees(np.arcsin(np.minimum(error / size, 1)))

@@ -22,7 +22,9 @@ from fbfcli.plant.shape import OUTSIDE, Shape, delay_at_rest, measured_response,
 from fbfcli.plant.vector_fitting import fit_poles, starting_poles
 
 MOST_MODES = 4
-DECISIVE = 10.0  # of the criterion: "very strong" evidence (Kass & Raftery 1995); less does not pay for a larger model
+DECISIVE = (
+    10.0  # of the criterion: "very strong" evidence (Kass & Raftery 1995); less does not pay for a larger model
+)
 MODEL_ERROR = (0.003, 0.05)  # of |H|, least and most: no machine is linear to better, none worth a model to worse
 DELAYS_S = np.linspace(-0.01, 0.01, 41)  # tried to start from
 GAINS = (0.7, 1.4)  # of a sensor
@@ -34,7 +36,10 @@ STARTS = 3  # that are refined, of those at all delays
 # the phase is delay: a machine's own at rest is about 2 zeta / w, some milliseconds
 PLAIN_DELAY_S = 1e-3
 SMOOTH = 5  # lines whose random errors are averaged: of a few averages each is itself uncertain
-GAUSS = np.array([-1, 0, 1]) * np.sqrt(0.15), np.array([5, 8, 5]) / 18  # three points for the mean over a line's width
+GAUSS = (
+    np.array([-1, 0, 1]) * np.sqrt(0.15),
+    np.array([5, 8, 5]) / 18,
+)  # three points for the mean over a line's width
 RISE = 1.5  # times the largest measured magnitude: a model that rises higher outside the band invents a resonance
 
 
@@ -79,7 +84,9 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
             break
         before = found[0].criterion if found else np.inf
     if not found:
-        raise ModelError("no stable model with modes inside the measured band fits: give a wider --band, or shake harder")
+        raise ModelError(
+            "no stable model with modes inside the measured band fits: give a wider --band, or shake harder"
+        )
     enough = [c for c in found if c.criterion <= found[0].criterion + DECISIVE]
     chosen = min(enough, key=lambda c: (c.shape.size, c.criterion))
     return chosen, *(c for c in found if c is not chosen)
@@ -140,13 +147,16 @@ def _fitted(frf: Frf, sd: np.ndarray, shape: Shape, delays: np.ndarray) -> Candi
 
 
 def _start(frf: Frf, sd: np.ndarray, shape: Shape, tau: float) -> tuple[float, np.ndarray]:
-    """Cost and theta: poles by vector fitting of the response without this delay, then gains by linear least squares."""
+    """Cost and theta: poles by vector fitting of the response without this delay, then gains by linear fit."""
     s = 2j * np.pi * frf.frequency
     band = float(frf.frequency[0]), float(frf.frequency[-1])
     H = frf.H * np.exp(s * tau)
     poles = fit_poles(s, H, 1 / sd, starting_poles(shape.pairs, shape.lags, band))
     poles = _of_shape(poles, shape, band)
-    w, zeta = np.abs(poles[: shape.pairs]), np.clip(-poles[: shape.pairs].real / np.abs(poles[: shape.pairs]), *DAMPING)
+    w, zeta = (
+        np.abs(poles[: shape.pairs]),
+        np.clip(-poles[: shape.pairs].real / np.abs(poles[: shape.pairs]), *DAMPING),
+    )
     rate = np.clip(-poles[shape.pairs :].real, 2 * np.pi * band[0], 4 * np.pi * band[1])
     D = s[:, None] ** 2 + 2 * zeta * w * s[:, None] + w**2
     columns = [w**2 / D, *([w * s[:, None] / D] if shape.general else []), rate / (s[:, None] + rate)]
@@ -187,7 +197,9 @@ def _refined(frf: Frf, sd: np.ndarray, shape: Shape, theta: np.ndarray):  # type
 
     low, high = bounds(shape, frf)
     start = np.clip(theta, low + 1e-9, high - 1e-9)
-    return least_squares(lambda x: at(tuple(x))[0], start, lambda x: at(tuple(x))[1], bounds=(low, high), x_scale="jac", max_nfev=60)
+    return least_squares(
+        lambda x: at(tuple(x))[0], start, lambda x: at(tuple(x))[1], bounds=(low, high), x_scale="jac", max_nfev=60
+    )
 
 
 def prior(shape: Shape, theta: np.ndarray, frf: Frf) -> tuple[np.ndarray, np.ndarray]:

@@ -59,7 +59,13 @@ def free_decay(measured: np.ndarray, fs: float) -> FreeDecay:
     p, r = realised(np.concatenate(([0.0], y)))
     s = np.log(p.astype(complex)) * fs
     w, zeta = np.abs(s), -s.real / np.abs(s)
-    good = (s.imag > 0) & (w > 2 * np.pi * LEAST_HZ) & (w < 2 * np.pi * MOST_HZ) & (zeta > DAMPING[0]) & (zeta < DAMPING[1])
+    good = (
+        (s.imag > 0)
+        & (w > 2 * np.pi * LEAST_HZ)
+        & (w < 2 * np.pi * MOST_HZ)
+        & (zeta > DAMPING[0])
+        & (zeta < DAMPING[1])
+    )
     order = np.argsort(-(np.abs(r) ** 2 / np.maximum(1 - np.abs(p) ** 2, 1e-6))[good])[:MOST_MODES]
     if not len(order):
         raise ModelError("no mode between 8 and 250 Hz rings in it")
@@ -71,7 +77,9 @@ def free_decay(measured: np.ndarray, fs: float) -> FreeDecay:
     if len(kept) < len(order):
         fit = _refined(t, y, 2 * np.pi * np.array([r.frequency for r in kept]), np.array([r.damping for r in kept]))
     if fit.explained < EXPLAINED:
-        raise ModelError(f"decaying modes explain {100 * fit.explained:.0f} % of it: something else moved the machine")
+        raise ModelError(
+            f"decaying modes explain {100 * fit.explained:.0f} % of it: something else moved the machine"
+        )
     return fit
 
 
@@ -87,7 +95,8 @@ def _refined(t: np.ndarray, y: np.ndarray, w: np.ndarray, zeta: np.ndarray) -> F
 
     low = np.concatenate((np.log(0.8 * w), np.full(n, np.log(DAMPING[0] / 2))))
     high = np.concatenate((np.log(1.25 * w), np.full(n, np.log(DAMPING[1]))))
-    found = least_squares(lambda x: fitted(x)[0] - y, np.clip(np.concatenate((np.log(w), np.log(zeta))), low + 1e-6, high - 1e-6),
+    start = np.clip(np.concatenate((np.log(w), np.log(zeta))), low + 1e-6, high - 1e-6)
+    found = least_squares(lambda x: fitted(x)[0] - y, start,
                           bounds=(low, high), max_nfev=100)  # fmt: skip
     curve, amplitude = fitted(found.x)
     explained = 1 - float(np.var(y - curve) / np.var(y))

@@ -29,12 +29,12 @@ class Frf:
     width     : ndarray, shape (m,)            of the band that a line averages over [Hz]
     H         : complex ndarray, shape (m,)
     coherence : ndarray, shape (m,)            0 to 1
-    sd        : ndarray, shape (m,)            random error of H: standard deviation of its real and of its imaginary part
+    sd        : ndarray, shape (m,)            random error: standard deviation of H's real and of its imaginary part
     count     : ndarray, shape (m,)            independent averages
     power     : ndarray, shape (m,)            of the command, any scale
     amplitude : float                          rms of the command while it moves [mm/s^2]
-    drift     : float                          how much the delay may change with frequency, where the command is a sweep
-                                               and the clocks were aligned: standard deviation [s/Hz]
+    drift     : float                          how much the delay may change with frequency, where the command is a
+                                               sweep: standard deviation [s/Hz]
     """
 
     frequency: np.ndarray
@@ -77,7 +77,8 @@ def frf(spectra: Spectra, estimator: str = "h1", amplitude: float = float("nan")
     H = ESTIMATORS[estimator](spectra)[kept]
     xx, xy, yy, count = (v[kept] for v in (spectra.xx, spectra.xy, spectra.yy, spectra.count))
     coherence = np.clip(np.abs(xy) ** 2 / (xx * np.maximum(yy, np.finfo(float).tiny)), 1e-12, 1.0)
-    return Frf(spectra.frequency[kept], spectra.width[kept], H, coherence, random_error(H, coherence, count), count, xx, amplitude)
+    sd = random_error(H, coherence, count)
+    return Frf(spectra.frequency[kept], spectra.width[kept], H, coherence, sd, count, xx, amplitude)
 
 
 TABLE_COUNT = 10.0  # averages assumed in a response whose origin does not say
@@ -108,7 +109,10 @@ def at_lines(frf: Frf, kept: np.ndarray) -> Frf:
 
 
 def random_error(H: np.ndarray, coherence: np.ndarray, count: np.ndarray) -> np.ndarray:
-    """|H| sqrt((1 - gamma^2) / (2 n gamma^2)), Bendat & Piersol Eq. 9.81; n - 1, for one average always agrees with itself."""
+    """|H| sqrt((1 - gamma^2) / (2 n gamma^2)), Bendat & Piersol Eq. 9.81.
+
+    With n - 1 for n, for one average always agrees with itself.
+    """
     return np.abs(H) * np.sqrt((1 - coherence) / (2 * np.maximum(count - 1, 0.5) * coherence))
 
 

@@ -2,8 +2,8 @@
 
 Weights of the fit are not what the noise is: they tolerate that no machine is linear, and coherence is lost inside a
 line where a narrow peak bends the response, which is no noise. So cov = A^-1 B A^-1 with A = J^T J + prior and
-B = J^T V J, V what is left over in the neighbourhood of each line, times the number of lines that say the same (White 1980;
-Long & Ervin 2000, The American Statistician 54).
+B = J^T V J, V what is left over in the neighbourhood of each line, times the number of lines that say the same (White
+1980; Long & Ervin 2000, The American Statistician 54).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from fbfcli.plant.rational import Rational
 from fbfcli.plant.shape import OUTSIDE, model_of
 
 NORMAL_95 = 1.96
-# Standard deviations of ln f and ln zeta that are left with no noise at all: windows, rounding to the sensor's steps and a
-# clock found to 1 ppm (benchmarks/identify_truth.py)
+# Standard deviations of ln f and ln zeta that are left with no noise at all: windows, the sensor's steps, a clock
+# found to 1 ppm (benchmarks/identify_truth.py)
 FREQUENCY_FLOOR, DAMPING_FLOOR = 1.5e-4, 2e-3
 NEIGHBOURS = 15  # lines whose residuals tell the noise of the one among them
 
@@ -93,7 +93,9 @@ def gain_places(shape) -> list[int]:  # type: ignore[no-untyped-def]
 
 def draws(best: Candidate, cov: np.ndarray, count: int, rng: np.random.Generator) -> tuple[Rational, ...]:
     """Models as probable as the measurement leaves them."""
-    return tuple(model_of(best.shape, theta) for theta in rng.multivariate_normal(best.theta, cov, count))
+    off = rng.multivariate_normal(np.zeros(len(cov)), 0.5 * (cov + cov.T), count, check_valid="ignore", method="eigh")
+    # theta holds logarithms and gains: beyond 1 the linear picture that cov is means nothing
+    return tuple(model_of(best.shape, best.theta + np.clip(one, -1.0, 1.0)) for one in off)
 
 
 def of_logarithm(value: float, spread: float) -> Interval:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -25,13 +26,15 @@ def hints_of_response(frf: Frf, off_axis: Sequence[tuple[str, Frf]], gain: float
     low = frf.coherence < LOW_COHERENCE
     if low.mean() > MUCH:
         told.append(f"coherence is below {LOW_COHERENCE:g} in {100 * low.mean():.0f} % of the lines, mostly around "
-                    f"{np.median(frf.frequency[low]):.0f} Hz: loose parts, backlash, friction or too gentle a test")  # fmt: skip
+                    f"{np.median(frf.frequency[low]):.0f} Hz: loose parts, backlash, friction or too gentle a "
+                    "test")  # fmt: skip
     peak = float(np.abs(frf.H).max())
     for name, other in off_axis:
         at = int(np.argmax(np.abs(other.H)))
         if len(other.H) and np.abs(other.H[at]) > OFF_AXIS * peak:
             told.append(f"{name} moves too: {100 * abs(other.H[at]) / peak:.0f} % of the peak at "
-                        f"{other.frequency[at]:.0f} Hz: a twisting frame, a racked gantry, or a sensor that is tilted")  # fmt: skip
+                        f"{other.frequency[at]:.0f} Hz: a twisting frame, a racked gantry, or a sensor that is "
+                        "tilted")  # fmt: skip
     if abs(gain - 1) > SCALE:
         told.append(f"the sensor reads {gain:.2f} of the commanded acceleration where the machine is rigid: check its "
                     "mounting, the test's acceleration and the unit")  # fmt: skip
@@ -44,10 +47,10 @@ def hints_of_modes(modes: Sequence[ModeEstimate]) -> tuple[str, ...]:
     heights = [abs(m.gain.value) / m.damping.value for m in modes]
     loud = [m for m, height in zip(modes, heights, strict=True) if height > SHARE * max(heights)]
     loud.sort(key=lambda m: m.frequency.value)
-    for one, next_one in zip(loud, loud[1:], strict=False):
+    for one, next_one in pairwise(loud):
         if next_one.frequency.value < CLOSE * one.frequency.value:
-            told.append(f"two peaks close together, {one.frequency.value:.1f} and {next_one.frequency.value:.1f} Hz: belts of "
-                        "unequal tension, or the frame swinging with the axis")  # fmt: skip
+            told.append(f"two peaks close together, {one.frequency.value:.1f} and {next_one.frequency.value:.1f} Hz: "
+                        "belts of unequal tension, or the frame swinging with the axis")  # fmt: skip
     if modes and modes[0].damping.value > DAMPED:
         told.append(f"damping {modes[0].damping.value:.2f} is much: friction, or a part that slips")
     return tuple(told)

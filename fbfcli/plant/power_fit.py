@@ -47,7 +47,7 @@ def power_fit(frequency: np.ndarray, power: np.ndarray, rise: float) -> tuple[Po
     if len(f) < LEAST_LINES:
         raise ModelError(f"{len(f)} lines of the spectrum hold power; {LEAST_LINES} are needed")
     smooth = np.convolve(np.pad(logP, 2, "edge"), np.full(5, 0.2), "valid")
-    peaks, about = find_peaks(smooth, prominence=PROMINENCE)
+    peaks, _ = find_peaks(smooth, prominence=PROMINENCE)
     if not len(peaks):
         raise ModelError("the spectrum has no peak")
     starts = f[peaks[np.argsort(smooth[peaks])[::-1]]]

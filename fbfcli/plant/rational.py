@@ -1,6 +1,7 @@
 """A stable rational model in continuous time: a sum of resonances and lags, each of its own poles.
 
-H(s) = sum_i (c_i w_i^2 + e_i w_i s) / (s^2 + 2 zeta_i w_i s + w_i^2) + sum_j g_j p_j / (s + p_j),  sum c_i + sum g_j = 1
+H(s) = sum_i (c_i w_i^2 + e_i w_i s) / (s^2 + 2 zeta_i w_i s + w_i^2) + sum_j g_j p_j / (s + p_j)
+sum c_i + sum g_j = 1
 Zeros may lie anywhere; the poles are stable because zeta and p are positive; position follows the command at rest.
 """
 
@@ -94,7 +95,7 @@ def discretised(model: Rational, dt: float) -> tuple[np.ndarray, np.ndarray]:
 def profile_model(model: Rational, dt: float) -> ModalModel | TransferFunction:
     """The model as a printer profile holds it: `modes` where it is a sum of plain modes, else b, a at period dt [s].
 
-    Gains are rounded so that they still sum to 1; coefficients are not rounded: poles near the unit circle need them all.
+    Gains are rounded so that they still sum to 1; coefficients are not: poles near the unit circle need them all.
     """
     if model.is_modal:
         rounded = [float(f"{r.gain:.{DIGITS}g}") for r in model.resonances]

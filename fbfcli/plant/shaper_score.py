@@ -19,6 +19,7 @@ HIGHEST_HZ, STEP_HZ = 200.0, 0.2
 BAND_HZ = 5.0, 200.0
 DAMPING = 0.1  # that shapers are designed for
 DAMPINGS = 0.075, 0.1, 0.15  # that they must cope with
+TOLERATED = 0.0005  # vibration left that makes no difference, since 2024
 REDUCTION = 20.0  # vibrations below 1 / 20 of the strongest are not looked at
 SMOOTHING_MM = 0.12  # that the suggested acceleration leads to
 ACCELERATION, CORNER = 5000.0, 5.0  # mm/s^2 and mm/s that smoothing is told for
@@ -91,7 +92,7 @@ def _scored(name: str, f: np.ndarray, psd: np.ndarray, impulses: Impulses) -> li
 def _selected(tried: Sequence[Scored]) -> Scored:
     """The best score among those that leave hardly more vibration than the best does."""
     least = min(reversed(tried), key=lambda one: one.vibrations)
-    good = [one for one in tried if one.vibrations < 1.1 * least.vibrations + 0.0005]
+    good = [one for one in tried if one.vibrations < 1.1 * least.vibrations + TOLERATED]
     return min([least, *good], key=lambda one: one.score)
 
 

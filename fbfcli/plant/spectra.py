@@ -132,7 +132,7 @@ def _independent_bins(n: np.ndarray) -> np.ndarray:
 
 
 def _edges(low: float, high: float, seconds: float) -> np.ndarray:
-    """Edges of lines [Hz]: BINS apart, then RELATIVE_WIDTH of their frequency; the same at any rate of the recording."""
+    """Edges of lines [Hz]: BINS apart, then RELATIVE_WIDTH of their frequency; the same at any rate."""
     width = BINS / seconds
     even = np.arange(low, min(high, max(width / RELATIVE_WIDTH, low + width)) + 0.5 * width, width)
     count = max(0, int(np.log(high / even[-1]) / RELATIVE_WIDTH))

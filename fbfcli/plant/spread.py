@@ -1,4 +1,4 @@
-"""How uncertain a model is, told from data: from one recording's noise, or from runs, amplitudes and positions apart."""
+"""How uncertain a model is, told from data: one recording's noise, or runs, amplitudes and positions apart."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Vector fitting: poles of a rational function that passes through a measured response (Gustavsen & Semlyen 1999).
 
-Each step solves a linear least-squares problem, sigma H = p with sigma(s) = 1 + sum c_n / (s - a_n), and takes the zeros
-of sigma for the next poles: a Sanathanan-Koerner iteration in a basis that stays well conditioned. Poles that leave the
+Each step solves a linear least-squares problem, sigma H = p with sigma(s) = 1 + sum c_n / (s - a_n), and takes the
+zeros of sigma for the next poles: a Sanathanan-Koerner iteration in a basis that stays well conditioned. Poles that leave the
 left half plane are mirrored into it. scipy has no such fit (its AAA bounds neither order nor poles and takes no
 weights), and scikit-rf's brings a microwave engineer's toolbox for these sixty lines.
 """
@@ -33,7 +33,9 @@ def starting_poles(pairs: int, lags: int, band: tuple[float, float]) -> np.ndarr
     """Lightly damped pairs spread evenly in logarithm over the band [Hz], lags at its upper end."""
     w = 2 * np.pi * np.geomspace(*band, pairs + 2)[1:-1]
     upper = w * (-0.02 + 1j)
-    return np.concatenate([np.column_stack((upper, upper.conj())).ravel(), -2 * np.pi * band[1] * (1.0 + np.arange(lags))])
+    return np.concatenate(
+        [np.column_stack((upper, upper.conj())).ravel(), -2 * np.pi * band[1] * (1.0 + np.arange(lags))]
+    )
 
 
 def _relocated(s: np.ndarray, H: np.ndarray, weight: np.ndarray, poles: np.ndarray) -> np.ndarray:

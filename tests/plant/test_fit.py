@@ -67,7 +67,7 @@ def test_derivatives_are_those_of_the_model():
     shape = Shape(2, 1, True)
     theta = vector_of(shape, LAGGING, 1.1, 0.002, 1e-6)
     s = 2j * np.pi * np.linspace(5, 90, 20)
-    M, J = measured_response(shape, theta, s)
+    _, J = measured_response(shape, theta, s)
     frf = frf_of(LAGGING, 0.01, np.random.default_rng(0))
     for i in range(shape.size):
         step = np.zeros(shape.size)
