@@ -32,7 +32,8 @@ QUANTITIES = {"acceleration": {"accel", "acc", "acceleration", "accelerometer", 
 UNIT_OF_WORD = {"s": "s", "sec": "s", "ms": "ms", "us": "us", "ns": "ns", "g": "g", "mg": "mg", "db": "db",
                 "deg": "deg", "degrees": "deg", "rad": "rad", "rads": "rad/s", "mms2": "mm/s^2", "mm/s2": "mm/s^2",
                 "mm/s^2": "mm/s^2", "mm/s²": "mm/s^2", "m/s2": "m/s^2", "m/s^2": "m/s^2", "m/s²": "m/s^2",
-                "ms2": "m/s^2", "rad/s": "rad/s", "hz": "hz", "mm": "mm", "mm/s": "mm/s", "m": "m", "°": "deg"}  # fmt: skip
+                "ms2": "m/s^2", "rad/s": "rad/s", "hz": "hz", "mm": "mm", "mm/s": "mm/s", "m": "m",
+                "°": "deg"}  # fmt: skip
 
 
 @dataclass(frozen=True)
