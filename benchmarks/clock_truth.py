@@ -22,7 +22,7 @@ from fbfcli.plant.klipper_test import klipper_test, klipper_test_2020
 from fbfcli.plant.sweep_spec import sweep_of_csv
 from fbfcli.printer import Mode, TransferFunction
 
-DRAWS = 12
+DRAWS = 6
 PPM = 1e6
 
 
