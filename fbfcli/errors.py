@@ -39,3 +39,12 @@ class LimitError(FbfError):
 
 class ControlError(FbfError):
     """A method asked for what it is not defined for: a basis, a zero on the unit circle, matrices that do not fit."""
+
+
+class RecordingError(FbfError):
+    """A recording that cannot be read, or that does not hold what is asked of it."""
+
+    def __init__(self, why: str, *, file: str = "", line: int | None = None, text: str = "", remedy: str = ""):
+        place = ":".join(str(p) for p in (file, line) if p not in ("", None))
+        quote = f": {text.strip()[:80]!r}" if text else ""
+        super().__init__(f"{place + ': ' if place else ''}{why}{quote}{f' ({remedy})' if remedy else ''}")

@@ -2,4 +2,5 @@
 
 S_PER_MIN = 60.0
 MM_PER_INCH = 25.4
+GRAVITY = 9806.65  # mm/s^2 in one g, standard
 NS_PER_S = 1e9

@@ -77,7 +77,7 @@ _OPTIONS = (
     click.option(
         "--extrusion",
         type=click.Choice(("nozzle", "plan")),
-        help="Filament in step with the nozzle that is expected, or with the plan. [default: nozzle for robust, contour]",
+        help="Filament in step with the expected nozzle, or with the plan. [default: nozzle for robust, contour]",
     ),
     click.option(
         "--accel",

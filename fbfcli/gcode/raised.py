@@ -72,8 +72,7 @@ def shaper_off(firmware: str) -> list[str]:
 
 def raise_lines(firmware: str, limits: Limits) -> list[str]:
     """Lines before a compensated stretch where `limits` are in force."""
-    segment_time = ["M205 B0"] if firmware == "marlin" else []
-    return shaper_off(firmware) + _limit_lines(firmware, raised(firmware, limits), limits, "XYE") + segment_time
+    return shaper_off(firmware) + limit_lines(firmware, raised(firmware, limits), limits)
 
 
 def restore_lines(firmware: str, limits: Limits, base: Limits) -> list[str]:
@@ -84,6 +83,12 @@ def restore_lines(firmware: str, limits: Limits, base: Limits) -> list[str]:
     """
     segment_time = [f"M205 B{MARLIN_SEGMENT_US}"] if firmware == "marlin" else []
     return _limit_lines(firmware, limits, raised(firmware, base), "XYZE") + segment_time
+
+
+def limit_lines(firmware: str, limits: Limits, base: Limits) -> list[str]:
+    """Lines that put `limits` in force instead of `base`, and keep the firmware from stretching short moves."""
+    segment_time = ["M205 B0"] if firmware == "marlin" else []
+    return _limit_lines(firmware, limits, base, "XYE") + segment_time
 
 
 def _limit_lines(firmware: str, limits: Limits, base: Limits, axes: str) -> list[str]:

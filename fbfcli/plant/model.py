@@ -88,7 +88,7 @@ def cut(h: np.ndarray, count: int) -> np.ndarray:
 
 def modes(plant: Plant) -> tuple[Vibration, ...]:
     """Oscillating poles, strongest resonance |r| / (1 - |p|) first; of a finite response, those of its realisation."""
-    p, r = _realised(plant.b) if len(plant.a) == 1 else _residues(plant)
+    p, r = realised(plant.b) if len(plant.a) == 1 else _residues(plant)
     with np.errstate(divide="ignore"):
         s = np.log(p.astype(complex)) / plant.dt
     keep = (p.imag > 1e-9) & (np.abs(p) < 1.0)
@@ -210,7 +210,7 @@ def _residues(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
         return p, np.polyval(b, p) / np.polyval(np.polyder(a), p)
 
 
-def _realised(h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def realised(h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Poles and residues of the smallest system with impulse response h (Ho-Kalman, from the Hankel matrix's SVD)."""
     rows = min(HANKEL, len(h) // 2)
     H = h[1 : 2 * rows]

@@ -1,0 +1,104 @@
+"""How sure a fit is of its numbers: a covariance of theta from what the fit leaves over, and intervals from it.
+
+Weights of the fit are not what the noise is: they tolerate that no machine is linear, and coherence is lost inside a
+line where a narrow peak bends the response, which is no noise. So cov = A^-1 B A^-1 with A = J^T J + prior and
+B = J^T V J, V what is left over in the neighbourhood of each line, times the number of lines that say the same (White
+1980; Long & Ervin 2000, The American Statistician 54).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fbfcli.plant.fit import Candidate, correlation_length, neighbours_mean, prior
+from fbfcli.plant.frf import Frf
+from fbfcli.plant.rational import Rational
+from fbfcli.plant.shape import OUTSIDE, model_of
+
+NORMAL_95 = 1.96
+# Standard deviations of ln f and ln zeta that are left with no noise at all: windows, the sensor's steps, a clock
+# found to 1 ppm (benchmarks/identify_truth.py)
+FREQUENCY_FLOOR, DAMPING_FLOOR = 1.5e-4, 2e-3
+NEIGHBOURS = 15  # lines whose residuals tell the noise of the one among them
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A value and where it lies with 95 % confidence."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class ModeEstimate:
+    """One resonance of a fit: frequency [Hz], damping, gain."""
+
+    frequency: Interval
+    damping: Interval
+    gain: Interval
+
+
+def covariance(frf: Frf, best: Candidate) -> np.ndarray:
+    """Of theta, shape (size, size)."""
+    J, r = best.derivatives, best.residual
+    _, known = prior(best.shape, best.theta, frf)
+    inverse = _inverse((J.conj().T @ J).real + known.T @ known)
+    # each line pulls the fit towards itself and so leaves less over: h is its share in its own fit (HC3)
+    h = 0.5 * np.einsum("mi,ij,mj->m", J.conj(), inverse, J).real
+    v = neighbours_mean(np.abs(r / np.maximum(1 - h, 0.1)) ** 2, NEIGHBOURS) * correlation_length(r)
+    B = 0.5 * ((J.conj().T * v) @ J).real + known.T @ known
+    return np.asarray(inverse @ B @ inverse)
+
+
+def _inverse(A: np.ndarray) -> np.ndarray:
+    """The inverse of a matrix whose rows have units as different as 1 and seconds per Hz."""
+    size = np.sqrt(np.maximum(np.diag(A), 1e-300))
+    return np.asarray(np.linalg.pinv(A / np.outer(size, size), hermitian=True) / np.outer(size, size))
+
+
+def mode_estimates(best: Candidate, cov: np.ndarray) -> tuple[ModeEstimate, ...]:
+    """The resonances, strongest peak (gain by damping) first."""
+    shape, model = best.shape, model_of(best.shape, best.theta)
+    found, at = [], OUTSIDE
+    for i, r in enumerate(model.resonances):
+        spread = np.sqrt(np.diag(cov))
+        by_theta = np.zeros(shape.size)
+        if i > 0:
+            by_theta[at + 2] = 1.0
+        else:
+            by_theta[gain_places(shape)] = -1.0
+        gain = float(np.sqrt(by_theta @ cov @ by_theta))
+        found.append(
+            ModeEstimate(
+                of_logarithm(r.frequency, float(np.hypot(spread[at], FREQUENCY_FLOOR))),
+                of_logarithm(r.damping, float(np.hypot(spread[at + 1], DAMPING_FLOOR))),
+                Interval(r.gain, r.gain - NORMAL_95 * gain, r.gain + NORMAL_95 * gain),
+            )
+        )
+        at += (4 if shape.general else 3) - (i == 0)
+    heights = [np.hypot(r.gain, r.slope) / r.damping for r in model.resonances]
+    return tuple(found[i] for i in np.argsort(heights)[::-1])
+
+
+def gain_places(shape) -> list[int]:  # type: ignore[no-untyped-def]
+    """Where theta holds the gains that are not the first's."""
+    step = 4 if shape.general else 3
+    lags = shape.size - 2 * shape.lags
+    return [OUTSIDE + i * step + 1 for i in range(1, shape.pairs)] + [lags + 2 * j + 1 for j in range(shape.lags)]
+
+
+def draws(best: Candidate, cov: np.ndarray, count: int, rng: np.random.Generator) -> tuple[Rational, ...]:
+    """Models as probable as the measurement leaves them."""
+    off = rng.multivariate_normal(np.zeros(len(cov)), 0.5 * (cov + cov.T), count, check_valid="ignore", method="eigh")
+    # theta holds logarithms and gains: beyond 1 the linear picture that cov is means nothing
+    return tuple(model_of(best.shape, best.theta + np.clip(one, -1.0, 1.0)) for one in off)
+
+
+def of_logarithm(value: float, spread: float) -> Interval:
+    """The interval of a number from the standard deviation of its logarithm."""
+    factor = float(np.exp(NORMAL_95 * min(spread, 10.0)))
+    return Interval(value, value / factor, value * factor)

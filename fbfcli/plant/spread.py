@@ -1,0 +1,36 @@
+"""How uncertain a model is, told from data: one recording's noise, or runs, amplitudes and positions apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fbfcli.plant.fit import Candidate, best_of_shape
+from fbfcli.plant.frf import Frf
+from fbfcli.plant.intervals import ModeEstimate
+from fbfcli.plant.rational import profile_model
+from fbfcli.plant.shape import model_of
+from fbfcli.printer import Family, Spread
+
+LEAST = 0.005  # of a frequency: machines change by more between two prints (temperature, belts, the part's mass)
+
+
+def noise_spread(modes: Sequence[ModeEstimate]) -> Spread:
+    """Ranges from the confidence of one recording's strongest mode."""
+    strongest = modes[0]
+    half = max(LEAST, strongest.frequency.high / strongest.frequency.value - 1)
+    low, high = strongest.damping.low / strongest.damping.value, strongest.damping.high / strongest.damping.value
+    return Spread((1 - half, 1 + half), (max(low, 0.05), min(high, 20.0)))
+
+
+def group_fits(groups: Sequence[Frf], chosen: Candidate) -> tuple[Candidate, ...]:
+    """The chosen shape fitted to each group of recordings by itself; groups that do not support it are left out."""
+    fits = (best_of_shape(group, chosen.shape, float(chosen.theta[1])) for group in groups)
+    return tuple(fit for fit in fits if fit is not None)
+
+
+def group_spread(fits: Sequence[Candidate], dt: float) -> Family:
+    """One model for each group, all as probable."""
+    models = tuple(profile_model(model_of(fit.shape, fit.theta), dt) for fit in fits)
+    return Family(models, tuple(float(w) for w in np.full(len(models), 1 / len(models))))
