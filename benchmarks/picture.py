@@ -77,7 +77,7 @@ def errors(nozzle: np.ndarray, path: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def passes(printer: Printer) -> tuple[Seen, Seen]:
     """The corner as sliced, and as compensated: both files as their planner executes them."""
     text, written = PART.read_bytes(), io.BytesIO()
-    compensate(chunks(io.BytesIO(text)), printer, Settings(acceleration=ACCELERATION), written.write)
+    compensate(chunks(io.BytesIO(text)), printer, Settings(method="lpfbs", acceleration=ACCELERATION), written.write)
     as_sliced = Settings(method="none", acceleration=ACCELERATION)
     as_written = Settings(method="none")
     before, after = motion(text, printer, as_sliced), motion(written.getvalue(), printer, as_written)

@@ -73,8 +73,8 @@ def corner(axes: Axes, printer: Printer, words: str, method: str, spread: float 
     axes.plot(*(nozzle + (LARGER - 1.0) * error).T, color=colour, lw=2.0)
     axes.set_aspect("equal")
     axes.set_title(f"{words}: {UM * np.sqrt(np.mean(np.square(error).sum(axis=1))):.0f} µm RMS", fontsize=11)
-    axes.set_xlim(CORNER[0] - 7.0, CORNER[0] + 7.0)
-    axes.set_ylim(CORNER[1] - SPAN, CORNER[1] + 4.0)
+    axes.set_xlim(CORNER[0] - 6.5, CORNER[0] + 6.5)
+    axes.set_ylim(CORNER[1] - SPAN, CORNER[1])
     axes.set_xticks([])
     axes.set_yticks([])
 

@@ -13,11 +13,10 @@ from math import ceil, pi
 import numpy as np
 
 from fbfcli.control.axis_model import AxisModel
-from fbfcli.control.basis import uniform_basis
 from fbfcli.control.contour_gram import contour_gram
 from fbfcli.control.contour_window import ContourSolver
 from fbfcli.control.limits import Box
-from fbfcli.control.spline_design import ASSUMED_HZ, DEGREE, STEPS
+from fbfcli.control.spline_design import ASSUMED_HZ, DEGREE, STEPS, checked_basis
 from fbfcli.control.windows import SplineCompensator
 from fbfcli.errors import ModelError
 
@@ -43,13 +42,16 @@ def contour(axes: Sequence[AxisModel], dt: float, given: Mapping[str, float], bo
         raise ModelError("contour compensates X and Y together: it needs the models of both")
     f = [mode[0] for axis in axes for mode in axis.modes] or [ASSUMED_HZ]
     m, L = int(given.get("degree", DEGREE)), int(given.get("L", max(2, round(KNOTS / (max(f) * dt)))))
-    basis = uniform_basis(m, L)
+    if m < 2:
+        raise ModelError("contour weighs and bounds accelerations: a spline has them from degree 2 on")
+    basis = checked_basis(m, L, given)
     gram = contour_gram(basis, *axes)
     w_n = 2 * pi * np.array([axis.modes[0][0] if axis.modes else ASSUMED_HZ for axis in axes])
     h = L * dt
     bend = 10.0**step * _curvature_weight(w_n, dt, given) * L / h**4
     preview = ceil(given.get("preview", PREVIEW / (min(f) * dt)) / L)
-    n_up = int(given.get("n_up", KEPT * (preview + len(gram.xx))))
+    kept = given["n_C"] - preview if "n_C" in given else KEPT * (preview + len(gram.xx))
+    n_up = int(given.get("n_up", max(1, kept)))
     n_c = int(given.get("n_C", n_up + preview))
     limits = (box.velocity, box.acceleration) if box else (np.full(2, np.inf), np.full(2, np.inf))
     solver = ContourSolver(basis, gram, bend, given.get("wt", ALONG), n_c, n_up,

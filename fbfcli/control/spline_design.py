@@ -58,9 +58,7 @@ def axis_by_axis(name: str, axes: Sequence[AxisModel], dt: float, given: Mapping
     wide = ceil((PREVIEW_S / dt + ahead) / MOST_AHEAD) if ahead else 0
     knots = max(knot_spacing([axis.modes for axis in axes], dt), wide)
     m, L = int(given.get("degree", DEGREE)), int(given.get("L", knots))
-    if m < 1 or L < 1 or not 1 <= given.get("n_up", 1) <= given.get("n_C", np.inf):
-        raise ModelError(f"degree {m} and L {L} must be at least 1, n_up from 1 to n_C")
-    basis = uniform_basis(m, L)
+    basis = checked_basis(m, L, given)
     mu = [10.0**step * given.get("mu", curvature_weight(axis.modes, dt)) for axis in axes]
     early = np.zeros(-ahead % L)  # whole knots
     splines = [(tuple(np.concatenate((early, h)) for h in family), weights) for family, weights in splines]
@@ -84,6 +82,13 @@ def _filters(name: str, axes: Sequence[AxisModel]) -> tuple[int, list[Family]]:
     responses = [robust_response(axis) for axis in axes]
     ahead = max(before for _, before in responses)
     return ahead, [((np.concatenate((np.zeros(ahead - before), h)),), np.ones(1)) for h, before in responses]
+
+
+def checked_basis(m: int, L: int, given: Mapping[str, float]) -> Basis:
+    """The basis, where it and the windows given make sense. Raises ModelError."""
+    if m < 1 or L < 1 or not 1 <= given.get("n_up", 1) <= given.get("n_C", np.inf):
+        raise ModelError(f"degree {m} and L {L} must be at least 1, n_up from 1 to n_C")
+    return uniform_basis(m, L)
 
 
 def knot_spacing(modes: Sequence[Modes], dt: float) -> int:

@@ -221,3 +221,8 @@ def normal_error(u: np.ndarray, y: np.ndarray, real: list[AxisModel]) -> float:
 def test_one_axis_alone_has_no_contour():
     with pytest.raises(ModelError, match="both"):
         design("contour", *described("35 Hz"))
+
+
+def test_splines_without_acceleration_are_refused():
+    with pytest.raises(ModelError, match="degree 2"):
+        design("contour", *described("35 Hz", "28 Hz"), {"degree": 1})

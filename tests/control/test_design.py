@@ -63,10 +63,10 @@ def test_a_stretch_may_end_without_a_further_sample(name):
 
 
 @pytest.mark.parametrize("options", [{"L": 0}, {"degree": 0}, {"n_C": 20, "n_up": 21}, {"n_up": 0}])
-@pytest.mark.parametrize("name", ["lpfbs", "fbf"])
+@pytest.mark.parametrize("name", ["lpfbs", "fbf", "robust", "contour"])
 def test_windows_that_make_no_sense_are_refused(name, options):
     with pytest.raises(ModelError):
-        design(name, *described("35 Hz"), options)
+        design(name, *described("35 Hz", "28 Hz"), options)
 
 
 @pytest.mark.parametrize("m", [1, 2, 3, 4, 5])
