@@ -139,7 +139,7 @@ class Driver:
     step_pulse: float = 1.9e-6  # DRV8825, Table 7.6: 1.9 us high, 1.9 us low; A4988 1 us, TMC2209 0.1 us
     direction_setup: float = 0.65e-6  # DRV8825: 650 ns; A4988 200 ns, TMC2209 20 ns
     max_step_rate: float = 250e3  # DRV8825; A4988 500 kHz
-    hysteresis: float = 0.02
+    hysteresis: float = 1e-4  # far above rounding (1e-7), far below a microstep
 
 
 @dataclass(frozen=True)
