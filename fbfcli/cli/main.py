@@ -26,6 +26,7 @@ COMPLETE = "_FBF_COMPLETE"  # what click's completion scripts set
 INTERRUPTED = 130  # 128 + SIGINT
 BROKEN_PIPE = 141  # 128 + SIGPIPE
 TERMINATED = 143  # 128 + SIGTERM
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")  # read when numpy is imported
 
 
 class Verbs(click.Group):
@@ -71,6 +72,8 @@ def _terminate(number: int, frame: object) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run `fbf` and leave with its exit code: 0, 1 for an error, 2 for a wrong command line, 130 where interrupted."""
     signal.signal(signal.SIGTERM, _terminate)
+    for variable in THREADS:  # matrices are small here: threads that wait for each other take ten times the CPU
+        os.environ.setdefault(variable, "1")
     sys.exit(run(sys.argv[1:] if arguments is None else arguments))
 
 

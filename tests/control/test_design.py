@@ -12,7 +12,6 @@ from fbfcli.control.design import METHODS, design
 from fbfcli.control.spline_design import curvature_weight, knot_spacing
 from fbfcli.errors import ModelError
 
-
 NOT_APPLICABLE = {  # inverses, by the zeros of a plant: docs/methods.md
     "taz6": {"ebzpetc"},
     "hictop": {"zmetc", "ts", "stable_inversion"},

@@ -33,7 +33,7 @@ from fbfcli.steps.stream import MotorSteps, joined
 DT = 1e-3
 NS = 1_000_000
 NONE, ZV = Settings(method="none"), Settings(method="zv")
-HALF = 0.5 + 0.5e-4 + 1e-4  # steps: half, half the hysteresis, and a motor's way in a nanosecond, by which times are rounded
+HALF = 0.5 + 0.5e-4 + 1e-4  # steps: half, half the hysteresis, and a motor's way in the nanosecond of a rounded time
 KINEMATICS = ("cartesian", "corexy", "delta")
 
 
