@@ -79,7 +79,7 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
         for shape in shapes(pairs):
             if 2 * m >= 3 * shape.size and (best := _fitted(frf, sd, shape, delays)) is not None:
                 found.append(best)
-                delays = best.theta[1] + DELAYS_S[::4]
+                delays = np.concatenate((best.theta[1] + DELAYS_S[::4], DELAYS_S[::4]))
         found = _ranked(found)
         if found and found[0].criterion > before - DECISIVE:
             break
