@@ -15,7 +15,7 @@ from fbfcli.plant import acceleration_error
 from fbfcli.plant.intervals import ModeEstimate
 from fbfcli.plant.model import Plant, plant_of
 from fbfcli.plant.rational import Rational, profile_model
-from fbfcli.plant.shaper_score import Scored, most_acceleration
+from fbfcli.plant.shaper_score import Scored, best_shaper, most_acceleration
 from fbfcli.plant.spread import noise_spread
 from fbfcli.printer import Model
 

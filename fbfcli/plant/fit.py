@@ -30,6 +30,7 @@ DELAYS_S = np.linspace(-0.01, 0.01, 41)  # tried to start from
 GAINS = (0.7, 1.4)  # of a sensor
 SENSOR_GAIN = 0.1  # the ADXL345's sensitivity is known to 10 %, and mountings tilt
 DAMPING = (1e-3, 0.95)
+SLOWEST_DECAY = 0.7  # 1/s: what rings longer is no machine, and more than a compensator's 20 s of memory
 LEAST_LINES = 12
 STARTS = 3  # that are refined, of those at all delays
 # Delay and zeros outside the left half plane imitate each other. Where the response cannot tell them apart, what turns
@@ -78,7 +79,7 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
         for shape in shapes(pairs):
             if 2 * m >= 3 * shape.size and (best := _fitted(frf, sd, shape, delays)) is not None:
                 found.append(best)
-                delays = best.theta[1] + DELAYS_S[::4]
+                delays = np.concatenate((best.theta[1] + DELAYS_S[::4], DELAYS_S[::4]))
         found = _ranked(found)
         if found and found[0].criterion > before - DECISIVE:
             break
@@ -233,7 +234,10 @@ def _plausible(shape: Shape, theta: np.ndarray, frf: Frf) -> bool:
     w_zeta[:OUTSIDE] = False
     stuck = (theta - low < 1e-3) | (high - theta < 1e-3)
     outside = np.concatenate((np.linspace(0, frf.frequency[0], 50), np.linspace(1, 3, 100) * frf.frequency[-1]))
-    rise = np.abs(response(model_of(shape, theta), outside)).max()
+    model = model_of(shape, theta)
+    if min(2 * np.pi * r.frequency * r.damping for r in model.resonances) < SLOWEST_DECAY:
+        return False
+    rise = np.abs(response(model, outside)).max()
     return not (stuck & w_zeta).any() and rise < RISE * max(1.0, np.abs(frf.H).max())
 
 

@@ -16,7 +16,7 @@ from scipy.fft import next_fast_len, rfft
 from scipy.signal import get_window
 
 WINDOWS = 15  # in a record, so that a sweep's harmonics stay out of the window ...
-SHORTEST_S, LONGEST_S = 1.5, 8.0  # ... that is long enough to resolve a mode: 8 s tell 0.25 Hz apart
+SHORTEST_S, LONGEST_S = 2.0, 8.0  # ... that is long enough to resolve a mode: 8 s tell 0.25 Hz apart
 HOPS = 4  # in a window: Hann windows shifted by a quarter sum up to a constant
 BINS = 2  # of the transform in a line, at least
 RELATIVE_WIDTH = 0.01  # of a line: a mode of damping 0.02 is 4 % of its frequency wide

@@ -1,9 +1,9 @@
 """Vector fitting: poles of a rational function that passes through a measured response (Gustavsen & Semlyen 1999).
 
 Each step solves a linear least-squares problem, sigma H = p with sigma(s) = 1 + sum c_n / (s - a_n), and takes the
-zeros of sigma for the next poles: a Sanathanan-Koerner iteration in a basis that stays well conditioned. Poles that leave the
-left half plane are mirrored into it. scipy has no such fit (its AAA bounds neither order nor poles and takes no
-weights), and scikit-rf's brings a microwave engineer's toolbox for these sixty lines.
+zeros of sigma for the next poles: a Sanathanan-Koerner iteration in a basis that stays well conditioned. Poles that
+leave the left half plane are mirrored into it. scipy has no such fit (its AAA bounds neither order nor poles and takes
+no weights), and scikit-rf's brings a microwave engineer's toolbox for these sixty lines.
 """
 
 from __future__ import annotations
