@@ -14,6 +14,7 @@ from trajectory import motion
 from fbfcli.cli.lookup import bundled
 from fbfcli.control.design import METHODS
 from fbfcli.control.limits import peaks
+from fbfcli.errors import ModelError
 from fbfcli.gcode.scan import chunks
 from fbfcli.pipeline import Settings, Summary, compensate
 from fbfcli.pipeline.summary import clock
@@ -60,13 +61,19 @@ def result(text: bytes, printer: Printer, method: str, segments: float | None) -
 
 def table(text: bytes, printer: Printer, segments: float | None) -> str:
     """All methods on one printer, and how much better `lpfbs` is than nothing."""
-    results = {method: result(text, printer, method, segments) for method in METHODS}
+    results, refused = {}, []
+    for method in METHODS:
+        try:
+            results[method] = result(text, printer, method, segments)
+        except ModelError:
+            refused.append(f"`{method}`")
     none, lpfbs, fbf = (results[method].summary.contour_after.rms for method in ("none", "lpfbs", "fbf"))
     better, apart = none / lpfbs, abs(lpfbs / fbf - 1.0)
     budget = results["none"].summary.budget
     lines = [f"### {printer.name}, at most {budget:.0f} segments per second", "", *Result.HEAD]
-    lines += [results[method].row for method in METHODS]
+    lines += [each.row for each in results.values()]
     lines += ["", f"`lpfbs` is {better:.1f} times below `none`, and {apart:.1%} from `fbf`."]
+    lines += [f"Not applicable to this model: {', '.join(refused)}."] if refused else []
     return "\n".join(lines)
 
 
