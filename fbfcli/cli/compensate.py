@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import click
 
-from fbfcli.cli.files import DASH, is_stream, reading, replacing, streaming
+from fbfcli.cli.files import DASH, check_targets, is_stream, reading, replacing, streaming
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import method_options, settings_of
 from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
@@ -81,7 +81,7 @@ def compensate(
     zcat part.gcode.gz | fbf compensate -p taz6 - > out.gcode
     """
     with _logged(log_to):
-        target = _target(file, output, in_place, dry_run, json_to)
+        target = _target(file, output, in_place, dry_run, json_to, log_to)
         settings = settings_of(how, patch_times=target is not None and not is_stream(target))
         done = _compensate(file, target, printer, settings, force, quiet)
         if not quiet:
@@ -92,7 +92,9 @@ def compensate(
             _log(log_to, f"{file}: {done.summary.text()}")
 
 
-def _target(file: str, output: str | None, in_place: bool, dry_run: bool, json_to: str | None) -> str | None:
+def _target(
+    file: str, output: str | None, in_place: bool, dry_run: bool, json_to: str | None, log_to: str | None
+) -> str | None:
     """Where the new text goes: a file, standard output, or (None) nowhere."""
     if in_place and (file == DASH or output):
         raise click.UsageError("-i changes FILE itself: it takes a file, and no -o")
@@ -100,12 +102,11 @@ def _target(file: str, output: str | None, in_place: bool, dry_run: bool, json_t
         raise click.UsageError("no FILE, and standard input is a terminal")
     target = file if in_place else output or (DASH if file == DASH else _beside(file))
     if dry_run:
-        return None
+        target = None
     if target == DASH and json_to == DASH:
         raise click.UsageError("the G-code and --json both go to standard output: give one of them a file")
-    for name in (target, json_to):
-        if name and not Path(name).absolute().parent.is_dir():
-            raise FbfError(f"{name}: there is no folder {Path(name).parent}")
+    check_targets([file], json_to, log_to)
+    check_targets([], target, json_to, log_to)  # FILE may be changed itself
     return target
 
 

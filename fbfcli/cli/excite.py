@@ -7,11 +7,10 @@ from pathlib import Path
 
 import click
 
-from fbfcli.cli.files import DASH, saying
+from fbfcli.cli.files import DASH, check_targets, saying
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
 from fbfcli.cli.telling import named, tell_json
-from fbfcli.errors import FbfError
 
 
 @click.command()
@@ -59,12 +58,8 @@ def excite(
     command = csv_to or (None if target == DASH else str(Path(target).with_suffix(".csv")))
     if [target, command, json_to].count(DASH) > 1:
         raise click.UsageError("only one of -o, --csv and --json can go to standard output")
-    if command and command != DASH and Path(command) == Path(target):
-        raise click.UsageError(f"the G-code and its CSV would both be {target}: name one of them otherwise")
-    for name in filter(None, (target, command, json_to)):
-        if name != DASH and not Path(name).absolute().parent.is_dir():
-            raise FbfError(f"{name}: there is no folder {Path(name).parent}")
     profile = find_file(printer)
+    check_targets([str(profile)], target, command, json_to)
     with named(str(profile), str(profile)):
         made = run(read_printer(profile), axis, f0, f1, rate, accelerations)
     with saying(target) as say, saying(command) if command else nullcontext() as say_command:

@@ -6,10 +6,12 @@ import os
 import stat
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
+
+import click
 
 from fbfcli.errors import FbfError
 
@@ -25,7 +27,7 @@ def reading(name: str) -> Iterator[BinaryIO]:
         return
     path = Path(name)
     if path.is_dir():
-        raise FbfError(f"{name}: is a directory, not a G-code file")
+        raise FbfError(f"{name}: is a directory, not a file")
     with path.open("rb") as stream:
         yield stream
 
@@ -34,6 +36,24 @@ def is_stream(name: str) -> bool:
     """Standard output, a pipe or a device: text goes there as it comes, nothing can be put right afterwards."""
     path = Path(name)
     return name == DASH or (path.exists() and not path.is_file() and not path.is_dir())
+
+
+def check_targets(read: Sequence[str], *written: str | None) -> None:
+    """Refuse before any work what could not be written after it, or would be written over what is read or written."""
+    inputs = {os.path.realpath(name) for name in read if name != DASH}
+    outputs: set[str] = set()
+    for name in filter(None, written):
+        if name == DASH:
+            continue
+        if not Path(name).absolute().parent.is_dir():
+            raise FbfError(f"{name}: there is no folder {Path(name).parent}")
+        place = os.path.realpath(name)
+        if place in inputs:
+            raise click.UsageError(f"{name} is FILE itself: give another name")
+        if place in outputs:
+            raise click.UsageError(f"two things would be written to {name}: give one of them another name")
+        if not is_stream(name):  # a device may take several
+            outputs.add(place)
 
 
 @contextmanager

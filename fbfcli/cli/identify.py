@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fbfcli.cli.files import DASH, is_stream, reading, replacing, saying
+from fbfcli.cli.files import DASH, check_targets, is_stream, reading, replacing, saying
 from fbfcli.cli.options import Number, json_option, quiet_option
 from fbfcli.cli.telling import tell_json
 from fbfcli.errors import FbfError, RecordingError
@@ -67,7 +67,7 @@ def identify(
     fbf identify log.csv --time t --command u --measured a --axis x --unit g
     cat raw.csv | fbf identify - --axis x --json - -q | jq .modes
     """
-    _check_targets(output, plot_to, json_to)
+    _check_targets(files, output, plot_to, json_to)
     found = _identified(files, how)
     if output:
         _write_profile(output, found)
@@ -79,13 +79,11 @@ def identify(
         click.echo(found.text(), err=True)
 
 
-def _check_targets(output: str | None, plot_to: str | None, json_to: str | None) -> None:
+def _check_targets(files: tuple[str, ...], output: str | None, plot_to: str | None, json_to: str | None) -> None:
     """Refuse before any work what could not be written after it."""
     if [output, json_to, plot_to].count(DASH) > 1:
         raise click.UsageError("only one of -o, --plot and --json can go to standard output")
-    for name in filter(None, (output, plot_to, json_to)):
-        if name != DASH and not Path(name).absolute().parent.is_dir():
-            raise FbfError(f"{name}: there is no folder {Path(name).parent}")
+    check_targets(files, output, plot_to, json_to)
     if plot_to and plot_to != DASH and Path(plot_to).suffix.lower().lstrip(".") not in PICTURES:
         raise click.UsageError(f"--plot {plot_to}: the ending must be one of {', '.join(PICTURES)}")
 

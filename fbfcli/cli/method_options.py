@@ -36,11 +36,12 @@ METHODS = (
 )  # as control.design, without importing numpy
 INVERSION_METHODS = METHODS[METHODS.index("npz_ignore") :]
 SPLINE_METHODS = ("auto", "lpfbs", "fbf", "robust", "robust_fbf", "contour")
+PREVIEW_METHODS = ("auto", "lpfbs", "robust", "contour", "stable_inversion")
 FIR_METHODS = ("lpfbs", "fbf")  # whose impulse response may be cut: the others cut theirs by their own rule
 FAMILY_METHODS = ("auto", "robust", "robust_fbf", "contour")
 ONLY_FOR = (  # options that mean nothing to other methods
     ({"knots", "degree", "mu", "settle"}, SPLINE_METHODS),
-    ({"preview"}, (*SPLINE_METHODS, "stable_inversion")),
+    ({"preview"}, PREVIEW_METHODS),
     ({"fir"}, FIR_METHODS),
     ({"spread"}, FAMILY_METHODS),
     ({"terms"}, ("ebzpetc", "ts")),

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 import fbfcli
-from fbfcli.cli.files import DASH, reading, replacing, saying
+from fbfcli.cli.files import DASH, check_targets, reading, replacing, saying
 from fbfcli.cli.lookup import find_printer
 from fbfcli.cli.options import json_option, quiet_option
 from fbfcli.cli.telling import fraction_bar, named, tell_json
@@ -72,7 +72,8 @@ def reproduce(
         raise click.UsageError("take NAMEs, --quick or --all, not two of them")
     if json_to == DASH and markdown_to == DASH:
         raise click.UsageError("--json and --markdown both go to standard output: give one of them a file")
-    _writable(output, json_to, markdown_to)
+    _writable(output)
+    check_targets([part] if part else [], json_to, markdown_to)
     items = _items(part)
     if not (names or everything or quick):
         if json_to:
@@ -99,13 +100,10 @@ def reproduce(
         raise FbfError(f"{count} {words} held to")
 
 
-def _writable(folder: str, *files: str | None) -> None:
+def _writable(folder: str) -> None:
     """Refuse before the work, not after it, what could not be written."""
     if Path(folder).exists() and not Path(folder).is_dir():
         raise FbfError(f"{folder}: is not a folder; figures go to one (-o)")
-    for name in files:
-        if name and not Path(name).absolute().parent.is_dir():
-            raise FbfError(f"{name}: there is no folder {Path(name).parent}")
 
 
 def _items(part: str | None) -> list[Item]:

@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fbfcli.cli.files import DASH, is_stream, reading, replacing, streaming
+from fbfcli.cli.files import DASH, check_targets, is_stream, reading, replacing, streaming
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import method_options, settings_of
 from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
 from fbfcli.cli.telling import named, progress_bar, tell_json
-from fbfcli.errors import FbfError
 
 if TYPE_CHECKING:
     from fbfcli.pipeline import Settings
@@ -115,17 +114,14 @@ def _targets(
     if file == DASH and sys.stdin.isatty():
         raise click.UsageError("no FILE, and standard input is a terminal")
     target = output or (DASH if file == DASH else str(Path(file).with_suffix(ending)))
-    if target != DASH and Path(target).exists() and file != DASH and Path(target).samefile(file):
-        raise click.UsageError(f"{target} is FILE itself: give another name with -o")
     if dry_run:
+        check_targets([file], target, json_to)
         return None, None
     if events is None and not is_stream(target):
         events = target + EVENTS
     if (target, events, json_to).count(DASH) > 1:
         raise click.UsageError("only one of the stream, --events and --json can go to standard output")
-    for name in (target, events, json_to):
-        if name and not Path(name).absolute().parent.is_dir():
-            raise FbfError(f"{name}: there is no folder {Path(name).parent}")
+    check_targets([file], target, events, json_to)
     return target, events
 
 
