@@ -70,8 +70,8 @@ def test_a_file_may_be_changed_itself(folder):
     ["excite", *PRINTER, "--axis", "x", "-o", "large", "--csv", "small"],
 ], ids=" ".join)  # fmt: skip
 def test_of_two_files_the_one_that_failed_is_told(words):
-    done = subprocess.run(["sh", "-c", f"ulimit -f 1; exec {shlex.join([*FBF, *words])}"], capture_output=True, text=True,
-                          timeout=60)
+    script = f"ulimit -f 1; exec {shlex.join([*FBF, *words])}"
+    done = subprocess.run(["sh", "-c", script], capture_output=True, text=True, timeout=60)
     assert done.returncode == 1
     assert done.stderr == "fbf: error: large: cannot be written: File too large; it stays as it was\n"
     assert sorted(os.listdir()) == ["in", "link"]
