@@ -22,7 +22,7 @@ from fbfcli.printer import (
     TransferFunction,
 )
 from fbfcli.toml_table import Table, parse_toml
-from fbfcli.uncertainty_toml import places, uncertainty
+from fbfcli.uncertainty_toml import MODEL_KEYS, places, uncertainty
 from fbfcli.units import NS_PER_S
 
 SEGMENTS_PER_SECOND = {"klipper": 1000.0, "marlin": 300.0, "reprapfirmware": 200.0}  # Marlin: 32-bit board, from SD
@@ -33,7 +33,7 @@ COMMAND_ACCELERATION_FACTOR = 3.0  # ... and swings well past the planned accele
 PLA = 1.24  # g/cm^3
 KG_MM3_PER_G_CM3 = 1e-6
 HIGHEST_MODE = 500.0  # Hz: a trajectory of 1 kHz holds nothing above
-MODEL_FORMS = ("modes", "b", "impulse_response", "frequency_response")
+MODEL_FORMS = MODEL_KEYS[:4]  # what each form is known by
 EXAMPLE_MODES = "modes = [{frequency = 35.0, damping = 0.05}]"
 
 Read = Callable[[str], str]
@@ -170,7 +170,7 @@ def _axis(table: Table, index: int, limits: Limits, read: Read | None) -> Axis:
 
 
 def _model(table: Table, read: Read | None) -> Model:
-    table.only(*MODEL_FORMS, "a", "dt")
+    table.only(*MODEL_KEYS)
     forms = [form for form in MODEL_FORMS if form in table.values]
     if len(forms) != 1:
         table.refuse(forms[1] if forms else "modes", "a model has exactly one form" if forms else "is missing",

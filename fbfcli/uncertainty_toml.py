@@ -8,6 +8,7 @@ from math import inf
 from fbfcli.printer import Family, Model, Place, Spread
 from fbfcli.toml_table import Table
 
+MODEL_KEYS = ("modes", "b", "impulse_response", "frequency_response", "a", "dt")  # of every form of a model
 COORDINATES = ("x", "y", "z", "mass")
 FACTORS = "factors on the model's: frequency = [0.85, 1.15]"
 WIDEST = 10.0  # a factor further from 1 is no uncertainty but another machine
@@ -51,6 +52,8 @@ def places(axis: Table, model_of: ModelOf) -> tuple[Place, ...]:
 
 def _family(table: Table, model_of: ModelOf) -> Family:
     members = table.tables("family", "family = [{ modes = [...] }, { modes = [...], weight = 2.0 }]")
+    for member in members:
+        member.only("weight", *MODEL_KEYS)
     weights = [member.number("weight", 1.0) for member in members]
     models = tuple(
         model_of(Table(member.file, member.path, {k: v for k, v in member.values.items() if k != "weight"}))

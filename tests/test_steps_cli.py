@@ -112,6 +112,7 @@ def test_a_compensated_file_is_taken_as_it_is_written(part, capsys):
 @pytest.mark.parametrize(("words", "told"), [
     (["--rate", "100"], "--rate is for"),
     (["-t", "vdc"], "vdc"),
+    (["-m", "fbf", "--preview", "100"], "--preview is for"),
     (["--json", "-", "-o", "-"], "only one of"),
     (["--events", "-", "-o", "-"], "only one of"),
     (["--fromat", "csv"], "--format"),

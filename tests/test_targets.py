@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import shlex
+import subprocess
 
 import pytest
-from part_cases import PART
+from part_cases import FBF, PART
 
 from fbfcli.cli.main import run
 
@@ -61,3 +63,15 @@ def test_a_device_takes_several_things():
 def test_a_file_may_be_changed_itself(folder):
     assert run(["compensate", "in", *PRINTER, "-o", "in"]) == 0
     assert (folder / "in").read_text() != PART
+
+
+@pytest.mark.parametrize("words", [
+    ["steps", "in", *PRINTER, "-o", "large"],
+    ["excite", *PRINTER, "--axis", "x", "-o", "large", "--csv", "small"],
+], ids=" ".join)  # fmt: skip
+def test_of_two_files_the_one_that_failed_is_told(words):
+    script = f"ulimit -f 1; exec {shlex.join([*FBF, *words])}"
+    done = subprocess.run(["sh", "-c", script], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert done.stderr == "fbf: error: large: cannot be written: File too large; it stays as it was\n"
+    assert sorted(os.listdir()) == ["in", "link"]

@@ -72,6 +72,7 @@ def test_places_keep_what_they_tell_and_the_first_model_is_the_nominal_one():
     ({"uncertainty": {"damping": [0.0, 2]}}, "from 0.1 to 10"),
     ({"uncertainty": {"family": []}}, "must be a list of tables"),
     ({"uncertainty": {"family": [{"weight": 1}]}}, "axis.x.uncertainty.family[0].modes: is missing"),
+    ({"uncertainty": {"family": [ONE | {"wieght": 2}]}}, "family[0].wieght = 2: unknown key (did you mean weight?)"),
     ({"uncertainty": {"family": [ONE | {"weight": 0}]}}, "family[0].weight = 0: must be greater than 0"),
     ({"uncertainty": {"family": [ONE], "frequency": [1, 1]}}, "unknown key"),
     ({"uncertainty": {"family": [ONE]}, "at": [{"z": 0, "model": ONE}]}, "give ranges"),

@@ -100,9 +100,7 @@ def _target(
         raise click.UsageError("-i changes FILE itself: it takes a file, and no -o")
     if file == DASH and sys.stdin.isatty():
         raise click.UsageError("no FILE, and standard input is a terminal")
-    target = file if in_place else output or (DASH if file == DASH else _beside(file))
-    if dry_run:
-        target = None
+    target = None if dry_run else file if in_place else output or (DASH if file == DASH else _beside(file))
     if target == DASH and json_to == DASH:
         raise click.UsageError("the G-code and --json both go to standard output: give one of them a file")
     check_targets([file], json_to, log_to)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import stat
 import sys
@@ -9,7 +10,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import click
 
@@ -77,19 +78,41 @@ def replacing(name: str) -> Iterator[BinaryIO]:
         handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".tmp", dir=target.parent)
     except OSError as error:
         raise FbfError(f"{name}: cannot be written: {error.strerror}") from None
+    os.close(handle)
     try:
-        with os.fdopen(handle, "w+b") as stream:
+        named = _Named(temporary, "r+")
+        with io.BufferedRandom(named) as stream:
             yield stream
             stream.flush()
-            os.fsync(stream.fileno())
+            named.sync()
         os.chmod(temporary, mode)
         os.replace(temporary, target)
     except BaseException as error:
         with suppress(OSError):
             os.unlink(temporary)
-        if isinstance(error, OSError) and error.filename in (None, temporary):
+        if isinstance(error, OSError) and error.filename == temporary:
             raise FbfError(f"{name}: cannot be written: {error.strerror}; it stays as it was") from None
         raise
+
+
+class _Named(io.FileIO):
+    """A file whose failures carry its name: of several that are open, the one that failed is told."""
+
+    def write(self, data: Any) -> int:
+        with self._telling():
+            return super().write(data)
+
+    def sync(self) -> None:
+        """To the disk: some are found to be full only now."""
+        with self._telling():
+            os.fsync(self.fileno())
+
+    @contextmanager
+    def _telling(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, self.name) from None
 
 
 def _umask() -> int:

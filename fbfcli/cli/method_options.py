@@ -73,12 +73,14 @@ _OPTIONS = (
         "--spread",
         type=Number(0, 50),
         metavar="PERCENT",
-        help="How far frequencies may be from the models' (auto, robust, contour). [default: the profile's, else 15]",
+        help="How far frequencies may be from the models' (auto, robust, robust_fbf, contour). "
+        "[default: the profile's, else 15]",
     ),
     click.option(
         "--extrusion",
         type=click.Choice(("nozzle", "plan")),
-        help="Filament in step with the expected nozzle, or with the plan. [default: nozzle for robust, contour]",
+        help="Filament in step with the expected nozzle, or with the plan. "
+        "[default: nozzle for robust, robust_fbf, contour]",
     ),
     click.option(
         "--accel",
