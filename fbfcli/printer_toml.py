@@ -7,6 +7,7 @@ from dataclasses import fields
 from itertools import pairwise
 from math import inf, nan, radians
 
+from fbfcli.errors import ProfileError
 from fbfcli.printer import (
     FIRMWARES,
     KINEMATICS,
@@ -237,7 +238,11 @@ def _columns(table: Table, key: str, read: Read | None) -> list[tuple[str, tuple
     name = table.text(key)
     if read is None:
         table.refuse(key, "names a file, and there is nowhere to look for it", "give the profile as a file")
-    lines = [line for line in read(name).splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    try:
+        text = read(name)
+    except ProfileError as why:
+        table.refuse(key, str(why), "it is looked for beside the profile")
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     rows = [[cell.strip() for cell in line.split(",")] for line in lines]
     heading = [""] * len(rows[0]) if rows else []
     if rows and not _is_number(rows[0][0]):

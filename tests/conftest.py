@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 from part_cases import PART
+
+# a shell in the background has Ctrl-C ignored, and all that is started from it inherits that: tests send it
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # machines that are shared are slow at times: no deadline; in CI the same examples every time, elsewhere new ones
 settings.register_profile("fbf", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True)

@@ -23,6 +23,7 @@ from fbfcli.verify.tally import Stretches, Tally
 
 MARLIN_STEPS = 6  # MIN_STEPS_PER_SEGMENT: Marlin drops shorter moves
 FEW_MOVES, FEW = 10, 0.01  # moves left alone that are not worth a warning: the first ones of every print
+WORSE = 1.05  # times the uncompensated error that is told of
 REPRAP_SPEED = 0.55  # mm/s, just above MinimumMovementSpeed: RepRapFirmware makes slower moves faster
 
 
@@ -139,6 +140,9 @@ def _warnings(reader: Reader, tally: Tally, budget: Budget, remedies: Remedies) 
         told.append(remedies.told)
     if tally.busiest > BUSY * budget.max_rate:
         told.append(f"{tally.busiest} segments in one second, more than the firmware takes: raise --tolerance")
+    before, after = (errors.figures()["rms"] for errors in (tally.before, tally.after))
+    if after > WORSE * before:
+        told.append(f"predicted to be worse than uncompensated ({before:.1f} -> {after:.1f} um): take another --method")
     if not tally.segments:
         told.append("nothing was compensated: no move of X or Y has a known start")
     elif reader.left_alone > max(FEW_MOVES, FEW * reader.moves):
