@@ -68,8 +68,7 @@ class Candidate:
 def candidates(frf: Frf) -> tuple[Candidate, ...]:
     """Shapes that the response supports, fitted: the chosen one first, then by criterion.
 
-    Modes are added as long as they pay. The chosen one has the fewest modes of those within DECISIVE of the best
-    criterion, and is the best with so many: lags and zeros are not told as something the machine has.
+    Modes are added as long as they pay. The chosen one is the smallest within DECISIVE of the best criterion.
     Raises ModelError where no model fits.
     """
     m = len(frf.frequency)
@@ -95,7 +94,7 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
             "no stable model with modes inside the measured band fits: give a wider --band, or shake harder"
         )
     enough = [c for c in found if c.criterion <= found[0].criterion + DECISIVE]
-    chosen = min(enough, key=lambda c: (c.shape.pairs, c.criterion))
+    chosen = min(enough, key=lambda c: (c.shape.size, c.criterion))
     return chosen, *(c for c in found if c is not chosen)
 
 
