@@ -1,6 +1,6 @@
 """Identify machines whose truth is known, and say how far off the answers are.
 
-    python benchmarks/identify_truth.py                 50 draws of each kind: a quarter of an hour of CPU
+    python benchmarks/identify_truth.py                 50 draws of each kind: some 20 minutes of CPU
     python benchmarks/identify_truth.py --draws 5 --processes 2
     python benchmarks/identify_truth.py --first 500     other draws
     python benchmarks/identify_truth.py --write         puts the table into docs/identify.md
