@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -12,6 +13,10 @@ from response_cases import FS, ONE, swept
 from fbfcli.cli.identify import identify
 from fbfcli.cli.main import run
 from fbfcli.cli.printers import printers
+from fbfcli.pipeline.choice import chosen
+from fbfcli.pipeline.settings import Settings
+from fbfcli.printer import Family, Spread
+from fbfcli.printer_toml import parse_printer
 
 
 @pytest.fixture(scope="module")
@@ -129,3 +134,27 @@ def test_two_runs_make_a_family(recording, tmp_path):
     profile = tmp_path / "p.toml"
     assert run(["identify", str(recording), str(recording), "-q", "-o", str(profile), "--band", "5", "70"]) == 0
     assert "family" in profile.read_text()
+
+
+def test_the_uncertainty_that_is_written_chooses_the_method(recording, tmp_path, root):
+    """One recording of each axis: ranges of 0.5 %, near enough for lpfbs; wider ones are planned for by contour."""
+    profile = tmp_path / "printer.toml"
+    profile.write_text((root / "configs" / "synthetic_two_mode.toml").read_text())
+    for axis in "xy":
+        of_axis = tmp_path / f"{axis}.csv"
+        of_axis.write_text(recording.read_text().replace("_x", f"_{axis}"))
+        assert run(["identify", str(of_axis), "-q", "-o", str(profile), "--band", "5", "70"]) == 0
+    written = profile.read_text()
+    printer = parse_printer(written, "printer.toml")
+    assert all(isinstance(axis.uncertainty, Spread) for axis in printer.axes[:2])
+    assert chosen(printer, Settings()).method == "lpfbs"
+    wider = re.sub(r"(?m)^frequency = .*$", "frequency = [0.9, 1.1]", written)
+    assert chosen(parse_printer(wider, "printer.toml"), Settings()).method == "contour"
+
+
+def test_a_family_that_is_written_is_planned_for(recording, tmp_path):
+    profile = tmp_path / "p.toml"
+    assert run(["identify", str(recording), str(recording), "-q", "-o", str(profile), "--band", "5", "70"]) == 0
+    printer = parse_printer(profile.read_text(), "p.toml")
+    assert isinstance(printer.axes[0].uncertainty, Family) and len(printer.axes[0].uncertainty.models) == 2
+    assert "one of 2" in chosen(printer, Settings()).why

@@ -15,7 +15,7 @@ from fbfcli.plant.alignment import Pair, paired
 from fbfcli.plant.fit import Candidate, candidates
 from fbfcli.plant.free_decay import free_decay
 from fbfcli.plant.frf import Frf, combined, frf, from_table, trusted
-from fbfcli.plant.intervals import ModeEstimate, covariance, draws, mode_estimates
+from fbfcli.plant.intervals import ModeEstimate, covariance, draws, mode_estimates, told_modes
 from fbfcli.plant.mechanical_hints import hints_of_groups, hints_of_modes, hints_of_response
 from fbfcli.plant.power_fit import power_fit
 from fbfcli.plant.rational import profile_model
@@ -77,7 +77,7 @@ def _from_pairs(captures: Sequence[Recording], pairs: Sequence[Pair], ask: Ask) 
     best, cov = found[0], covariance(response, found[0])
     apart = [trusted(_drifting(frf(group, ask.estimator), pairs)) for group in groups] if len(groups) > 1 else []
     fits = group_fits(apart, best)
-    modes = _worth_telling(mode_estimates(best, cov))
+    modes = _worth_telling(told_modes(response, found))
     rational = model_of(best.shape, best.theta)
     off_axis = [
         (name, _off_axis(pairs[0], name, axis, band, ask)) for name in pairs[0].columns if name not in (axis, "z")
@@ -172,7 +172,7 @@ def _from_table(table: ResponseTable, ask: Ask) -> Identified:
     response = from_table(table.frequency, table.response, table.coherence)
     found = _fitted(response, [table.name])
     best, cov = found[0], covariance(response, found[0])
-    modes = _worth_telling(mode_estimates(best, cov))
+    modes = _worth_telling(told_modes(response, found))
     possible = [profile_model(one, ask.dt) for one in draws(best, cov, DRAWS, np.random.default_rng(SEED))]
     told = concluded(axis, [table.name], "", model_of(best.shape, best.theta), modes, ask, possible, None)
     hints = (*hints_of_response(response, (), float(np.exp(best.theta[0]))), *hints_of_modes(modes))

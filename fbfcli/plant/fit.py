@@ -8,7 +8,7 @@ its magnitude says, and what turns it in proportion to frequency beyond that is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -34,8 +34,10 @@ SLOWEST_DECAY = 0.7  # 1/s: what rings longer is no machine, and more than a com
 LEAST_LINES = 12
 STARTS = 3  # that are refined, of those at all delays
 # Delay and zeros outside the left half plane imitate each other. Where the response cannot tell them apart, what turns
-# the phase is delay: a machine's own at rest is about 2 zeta / w, some milliseconds
-PLAIN_DELAY_S = 1e-3
+# the phase is delay: a machine's own at rest is about 2 zeta / w, some milliseconds (6.4 ms of the TAZ 6; 1 ms here
+# pulled its modes 0.1 % apart)
+PLAIN_DELAY_S = 3e-3
+FASTER, WEAK = 4.0, (0.02, -0.02)  # a lag that is added begins so much faster than the band, with these gains
 SMOOTH = 5  # lines whose random errors are averaged: of a few averages each is itself uncertain
 GAUSS = (
     np.array([-1, 0, 1]) * np.sqrt(0.15),
@@ -74,16 +76,19 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
         raise ModelError(f"the command excites {m} lines of the spectrum; {LEAST_LINES} are needed to fit a model")
     sd = deviation(frf)
     found: list[Candidate] = []
-    delays, before = DELAYS_S, np.inf
+    delays = DELAYS_S
     for pairs in range(1, MOST_MODES + 1):
         for shape in shapes(pairs):
             if 2 * m >= 3 * shape.size and (best := _fitted(frf, sd, shape, delays)) is not None:
                 found.append(best)
                 delays = np.concatenate((best.theta[1] + DELAYS_S[::4], DELAYS_S[::4]))
+                if shape == shapes(pairs)[-1] and (more := _with_faster_lag(frf, sd, best)) is not None:
+                    found.append(more)
         found = _ranked(found)
-        if found and found[0].criterion > before - DECISIVE:
+        fewer, now = (min((c.criterion for c in found if (c.shape.pairs == pairs) == same), default=np.inf)
+                      for same in (False, True))  # fmt: skip
+        if now > fewer - DECISIVE:
             break
-        before = found[0].criterion if found else np.inf
     if not found:
         raise ModelError(
             "no stable model with modes inside the measured band fits: give a wider --band, or shake harder"
@@ -140,11 +145,31 @@ def _fitted(frf: Frf, sd: np.ndarray, shape: Shape, delays: np.ndarray) -> Candi
         solution = _refined(frf, sd, shape, theta)
         if solution.cost < cost and _plausible(shape, solution.x, frf):
             best, cost = solution.x, solution.cost
-    if best is None:
+    return None if best is None else _candidate(frf, sd, shape, best)
+
+
+def _with_faster_lag(frf: Frf, sd: np.ndarray, fitted: Candidate) -> Candidate | None:
+    """One lag more than was fitted, begun fast and weak.
+
+    What a machine and its hold do above the band is seen within it as a nearly constant residual (Ewins, Modal Testing,
+    Sec. 4.3). Of the TAZ 6, a filter at 1 kHz, it is 0.3 % of the response; left out, dampings come out 2 % off.
+    """
+    shape = replace(fitted.shape, lags=fitted.shape.lags + 1)
+    if 2 * len(frf.H) < 3 * shape.size:
         return None
-    M, J = averaged(shape, best, frf)
+    rate = np.log(2 * np.pi * FASTER * frf.frequency[-1])
+    solutions = [_refined(frf, sd, shape, np.append(fitted.theta, (rate, gain))) for gain in WEAK]
+    plausible = [solution for solution in solutions if _plausible(shape, solution.x, frf)]
+    if not plausible:
+        return None
+    return _candidate(frf, sd, shape, min(plausible, key=lambda solution: float(solution.cost)).x)
+
+
+def _candidate(frf: Frf, sd: np.ndarray, shape: Shape, theta: np.ndarray) -> Candidate:
+    """A shape with its theta, and what it leaves over."""
+    M, J = averaged(shape, theta, frf)
     misfit = np.sqrt(np.mean(np.abs(frf.H - M) ** 2) / np.mean(np.abs(frf.H) ** 2))
-    return Candidate(shape, best, (frf.H - M) / sd, J / sd[:, None], float(misfit))
+    return Candidate(shape, theta, (frf.H - M) / sd, J / sd[:, None], float(misfit))
 
 
 def _start(frf: Frf, sd: np.ndarray, shape: Shape, tau: float) -> tuple[float, np.ndarray]:
@@ -230,15 +255,15 @@ def bounds(shape: Shape, frf: Frf) -> tuple[np.ndarray, np.ndarray]:
 def _plausible(shape: Shape, theta: np.ndarray, frf: Frf) -> bool:
     """No mode stuck at a bound, no resonance invented where nothing was measured."""
     low, high = bounds(shape, frf)
-    w_zeta = np.isfinite(low) & np.isfinite(high)
-    w_zeta[:OUTSIDE] = False
+    low[:OUTSIDE], high[:OUTSIDE] = -np.inf, np.inf
+    high[shape.size - 2 * shape.lags :: 2] = np.inf  # a lag at its fastest is what lies above the band
     stuck = (theta - low < 1e-3) | (high - theta < 1e-3)
     outside = np.concatenate((np.linspace(0, frf.frequency[0], 50), np.linspace(1, 3, 100) * frf.frequency[-1]))
     model = model_of(shape, theta)
     if min(2 * np.pi * r.frequency * r.damping for r in model.resonances) < SLOWEST_DECAY:
         return False
     rise = np.abs(response(model, outside)).max()
-    return not (stuck & w_zeta).any() and rise < RISE * max(1.0, np.abs(frf.H).max())
+    return not stuck.any() and rise < RISE * max(1.0, np.abs(frf.H).max())
 
 
 def _ranked(found: list[Candidate]) -> list[Candidate]:

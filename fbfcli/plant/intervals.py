@@ -8,11 +8,12 @@ B = J^T V J, V what is left over in the neighbourhood of each line, times the nu
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fbfcli.plant.fit import Candidate, correlation_length, neighbours_mean, prior
+from fbfcli.plant.fit import DECISIVE, Candidate, correlation_length, neighbours_mean, prior
 from fbfcli.plant.frf import Frf
 from fbfcli.plant.rational import Rational
 from fbfcli.plant.shape import OUTSIDE, model_of
@@ -20,7 +21,7 @@ from fbfcli.plant.shape import OUTSIDE, model_of
 NORMAL_95 = 1.96
 # Standard deviations of ln f and ln zeta that are left with no noise at all: windows, the sensor's steps, a clock
 # found to 1 ppm (benchmarks/identify_truth.py)
-FREQUENCY_FLOOR, DAMPING_FLOOR = 1.5e-4, 2e-3
+FREQUENCY_FLOOR, DAMPING_FLOOR = 1e-4, 1e-3
 NEIGHBOURS = 15  # lines whose residuals tell the noise of the one among them
 
 
@@ -76,12 +77,45 @@ def mode_estimates(best: Candidate, cov: np.ndarray) -> tuple[ModeEstimate, ...]
             ModeEstimate(
                 of_logarithm(r.frequency, float(np.hypot(spread[at], FREQUENCY_FLOOR))),
                 of_logarithm(r.damping, float(np.hypot(spread[at + 1], DAMPING_FLOOR))),
-                Interval(r.gain, r.gain - NORMAL_95 * gain, r.gain + NORMAL_95 * gain),
+                of_number(r.gain, gain),
             )
         )
         at += (4 if shape.general else 3) - (i == 0)
     heights = [np.hypot(r.gain, r.slope) / r.damping for r in model.resonances]
     return tuple(found[i] for i in np.argsort(heights)[::-1])
+
+
+def told_modes(frf: Frf, found: Sequence[Candidate]) -> tuple[ModeEstimate, ...]:
+    """The chosen fit's modes, the first of `found`, with intervals that hold what the choice of a shape leaves open.
+
+    Shapes of as many modes that the criterion does not rule out say other values: each weighs exp(-BIC / 2), and
+    var = sum_k weight_k (var_k + (value_k - value)^2) (Buckland, Burnham & Augustin 1997, Biometrics 53, Eq. 9).
+    """
+    best = found[0]
+    rivals = [c for c in found if c.shape.pairs == best.shape.pairs and c.criterion < best.criterion + DECISIVE]
+    weights = np.exp([0.5 * (best.criterion - c.criterion) for c in rivals])
+    told = [mode_estimates(c, covariance(frf, c)) for c in rivals]
+    return tuple(_averaged(told, weights / weights.sum(), mode) for mode in told[0])
+
+
+def _averaged(told: Sequence[tuple[ModeEstimate, ...]], weights: np.ndarray, mode: ModeEstimate) -> ModeEstimate:
+    """One mode with the intervals of several fits, in each of which it is the one nearest in frequency."""
+    same = [min(one, key=lambda m: abs(np.log(m.frequency.value / mode.frequency.value))) for one in told]
+    return ModeEstimate(
+        of_logarithm(mode.frequency.value, _deviation([np.log(_three(m.frequency)) for m in same], weights)),
+        of_logarithm(mode.damping.value, _deviation([np.log(_three(m.damping)) for m in same], weights)),
+        of_number(mode.gain.value, _deviation([_three(m.gain) for m in same], weights)),
+    )
+
+
+def _deviation(intervals: Sequence[np.ndarray], weights: np.ndarray) -> float:
+    """Standard deviation about the first one's value of (value, low, high), each of shape (3,)."""
+    value, low, high = np.transpose(intervals)
+    return float(np.sqrt(weights @ (((high - low) / (2 * NORMAL_95)) ** 2 + (value - value[0]) ** 2)))
+
+
+def _three(interval: Interval) -> np.ndarray:
+    return np.array([interval.value, interval.low, interval.high])
 
 
 def gain_places(shape) -> list[int]:  # type: ignore[no-untyped-def]
@@ -102,3 +136,8 @@ def of_logarithm(value: float, spread: float) -> Interval:
     """The interval of a number from the standard deviation of its logarithm."""
     factor = float(np.exp(NORMAL_95 * min(spread, 10.0)))
     return Interval(value, value / factor, value * factor)
+
+
+def of_number(value: float, spread: float) -> Interval:
+    """The interval of a number from its standard deviation."""
+    return Interval(value, value - NORMAL_95 * spread, value + NORMAL_95 * spread)

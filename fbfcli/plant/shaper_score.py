@@ -2,7 +2,8 @@
 
 A, T : weights and times of a shaper's impulses      psd : power of the accelerations measured, by frequency
 Rules and constants of klippy/extras/shaper_calibrate.py and shaper_defs.py: they have "no special meaning", as it says
-there, and work well on users' data. They are given here as facts, for comparison.
+there, and work well on users' data. They are given here as facts, for comparison, as they are since 2024: before, the
+EI family had other impulses (control.shapers) and no vibration was tolerated, so older files tell other frequencies.
 """
 
 from __future__ import annotations
@@ -82,7 +83,7 @@ def _scored(name: str, f: np.ndarray, psd: np.ndarray, impulses: Impulses) -> li
     total = max(float(np.maximum(psd - floor, 0).sum()), 1e-30)
     for frequency in np.arange(LOWEST_HZ[name], HIGHEST_HZ, STEP_HZ):
         A, T = impulses(name, float(frequency), DAMPING)
-        left = max(float(np.maximum(_residual(A, T, z, f) * psd - floor, 0).sum()) for z in DAMPINGS) / total
+        left = max(float(np.maximum(residual(A, T, z, f) * psd - floor, 0).sum()) for z in DAMPINGS) / total
         smooth = smoothing(A, T, ACCELERATION)
         score = smooth * (left**1.5 + 0.2 * left + 0.01)
         tried.append(Scored(name, float(frequency), left, smooth, score, 0.0))
@@ -100,7 +101,7 @@ def _better(new: Scored, old: Scored) -> bool:
     return 1.2 * new.score < old.score or (1.05 * new.score < old.score and 1.1 * new.smoothing < old.smoothing)
 
 
-def _residual(A: np.ndarray, T: np.ndarray, damping: float, f: np.ndarray) -> np.ndarray:
+def residual(A: np.ndarray, T: np.ndarray, damping: float, f: np.ndarray) -> np.ndarray:
     """Vibration that the impulses leave of each frequency, (m,): 1 without a shaper."""
     w = 2 * np.pi * f
     W = A * np.exp(-damping * np.outer(w, T[-1] - T))
