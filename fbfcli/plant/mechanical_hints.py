@@ -17,7 +17,6 @@ OFF_AXIS = 0.35  # of the moved axis' peak
 DAMPED = 0.25
 SCALE = 0.1  # of the sensor's gain
 MOVED = 0.03  # of a frequency, between amplitudes or runs
-LOUD = 0.02  # of all samples at the sensor's limit
 
 
 def hints_of_response(frf: Frf, off_axis: Sequence[tuple[str, Frf]], gain: float) -> tuple[str, ...]:
