@@ -6,6 +6,8 @@ import os
 import signal
 from pathlib import Path
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: small matrices only wait for threads
+
 import pytest
 from hypothesis import HealthCheck, settings
 from part_cases import PART
