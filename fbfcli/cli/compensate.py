@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import click
 
-from fbfcli.cli.files import DASH, check_targets, is_stream, reading, replacing, streaming
+from fbfcli.cli.files import DASH, check_targets, is_stream, reading, writing
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import method_options, settings_of
 from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
@@ -118,20 +118,19 @@ def _compensate(
 ) -> Done:
     """Read, compensate and write; a file appears when all of it is there."""
     from fbfcli.gcode.scan import chunks
-    from fbfcli.gcode.stamp import HEAD_BYTES, is_stamped
+    from fbfcli.gcode.stamp import looked_into
     from fbfcli.pipeline import compensate as run
 
     profile = find_file(printer)
     machine = read_printer(profile)
     with reading(file) as source, progress_bar(file, quiet) as progress, named(file, str(profile)):
-        texts = chunks(source)
-        first = next(texts, b"")
-        if is_stamped(first[:HEAD_BYTES]) and not force:
+        stamped, texts = looked_into(chunks(source))
+        if stamped and not force:
             raise FbfError(
                 f"{file}: is compensated already; a second pass would shake the print (--force if it must be)"
             )
         with _writing(target) as write:
-            done = run(_again(first, texts), machine, settings, write.text, progress)
+            done = run(texts, machine, settings, write.text, progress)
             write.fill_in(done)
         return done
 
@@ -159,14 +158,8 @@ def _writing(target: str | None) -> Iterator[_Writer]:
     if target is None:
         yield _Writer(None)
         return
-    with streaming(target) if is_stream(target) else replacing(target) as stream:
+    with writing(target) as stream:
         yield _Writer(stream)
-
-
-def _again(first: bytes, rest: Iterator[bytes]) -> Iterator[bytes]:
-    if first:
-        yield first
-    yield from rest
 
 
 @contextmanager

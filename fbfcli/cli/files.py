@@ -8,7 +8,7 @@ import stat
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -121,8 +121,13 @@ def _umask() -> int:
     return mask
 
 
+def writing(name: str) -> AbstractContextManager[BinaryIO]:
+    """A file that appears whole or not at all, or what `is_stream`."""
+    return streaming(name) if is_stream(name) else replacing(name)
+
+
 @contextmanager
 def saying(name: str) -> Iterator[Callable[[str], object]]:
     """Writes text to a file, or to what `is_stream`."""
-    with streaming(name) if is_stream(name) else replacing(name) as stream:
+    with writing(name) as stream:
         yield lambda text: stream.write(text.encode())

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fbfcli.cli.files import DASH, check_targets, is_stream, reading, replacing, saying
+from fbfcli.cli.files import DASH, check_targets, is_stream, reading, saying, writing
 from fbfcli.cli.options import Number, json_option, quiet_option
 from fbfcli.cli.telling import tell_json
 from fbfcli.errors import FbfError, RecordingError
@@ -157,8 +157,5 @@ def _write_picture(plot_to: str, found: Identified) -> None:
 
     kind = "png" if plot_to == DASH else Path(plot_to).suffix.lower().lstrip(".")
     image = picture(found, kind)
-    if plot_to == DASH:
-        sys.stdout.buffer.write(image)
-        return
-    with replacing(plot_to) as stream:
+    with writing(plot_to) as stream:
         stream.write(image)

@@ -6,13 +6,12 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from fbfcli.cli.files import DASH, check_targets, is_stream, reading, replacing, streaming
+from fbfcli.cli.files import DASH, check_targets, is_stream, reading, writing
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import method_options, settings_of
 from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
@@ -35,7 +34,6 @@ ENDINGS = {  # of files, by format; as steps.formats has them, without importing
 }
 RATED = ("positions", "marlin")
 EVENTS = ".events.jsonl"
-AS_WRITTEN = "none"
 
 
 @click.command(no_args_is_help=False)
@@ -136,21 +134,20 @@ def _steps(
 ) -> tuple[StepsSummary, int]:
     """Read, plan, compensate, step and write; files appear when all of it is there. Also the stream's size."""
     from fbfcli.gcode.scan import chunks
-    from fbfcli.gcode.stamp import HEAD_BYTES, is_stamped
+    from fbfcli.gcode.stamp import looked_into
     from fbfcli.pipeline.steps import StepStream
 
     profile = find_file(printer)
     machine = read_printer(profile)
     with reading(file) as source, progress_bar(file, quiet) as progress, named(file, str(profile)):
-        texts = chunks(source)
-        first = next(texts, b"")
-        settings = _settings(file, how, is_stamped(first[:HEAD_BYTES]), quiet)
+        stamped, texts = looked_into(chunks(source))
+        settings = _settings(file, how, stamped, quiet)
         stream = StepStream(machine, settings)
         with ExitStack() as files:
             writer = _writer(name, machine.driver, stream.motors, settings.dt, rate, files)
             write, write_event = (files.enter_context(_writing(target)) for target in targets)
             size = sum(map(write, writer.head()))
-            for piece, happened in stream.pieces(chain([first] if first else [], texts), progress):
+            for piece, happened in stream.pieces(texts, progress):
                 size += sum(map(write, writer.add(piece)))
                 for event in happened:
                     line = {"time": round(event.time, 6), "line": event.line, "text": event.text}
@@ -161,6 +158,8 @@ def _steps(
 
 def _settings(file: str, how: dict[str, Any], stamped: bool, quiet: bool) -> Settings:
     """As asked for; a file that is compensated already is not compensated again."""
+    from fbfcli.pipeline.steps import AS_WRITTEN
+
     if stamped:
         if given := next((option for option in ("accel", "velocity") if how[option] is not None), None):
             raise click.UsageError(f"{file} is compensated already and taken as it is written: no --{given}")
@@ -186,7 +185,7 @@ def _writing(target: str | None) -> Iterator[Callable[[bytes], int]]:
     if target is None:
         yield len
         return
-    with streaming(target) if is_stream(target) else replacing(target) as stream:
+    with writing(target) as stream:
 
         def write(data: bytes) -> int:
             stream.write(data)

@@ -15,6 +15,8 @@ from scipy.signal import lfilter, lfilter_zi
 
 from fbfcli.errors import ControlError
 
+CONSISTENT = 1e-9  # of the terms of a condition: no contradiction, rounding on any machine
+
 
 @dataclass(frozen=True)
 class Controller:
@@ -92,7 +94,8 @@ def constrained(Phi_f: np.ndarray, y_d: np.ndarray, Q: np.ndarray, z: np.ndarray
     What Eq. 31's multipliers give, by the null space of Q: gamma = Q^+ z + Z v with Q Z = 0.
     """
     gamma, *_ = lstsq(Q, z)
-    if not np.allclose(Q @ gamma, z, rtol=1e-9, atol=1e-12 * np.abs(z).max(initial=1.0)):
+    rounding = CONSISTENT * (np.abs(Q) @ np.abs(gamma) + np.abs(z))
+    if np.any(np.abs(Q @ gamma - z) > rounding):
         raise ControlError("the initial conditions contradict each other: drop one")
     Z = null_space(Q)
     return gamma + Z @ coefficients(Phi_f @ Z, y_d - Phi_f @ gamma)

@@ -7,8 +7,9 @@ padded with blanks, and filled in when the print has been planned.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 STAMP = b"; fbf "
 HEAD_BYTES = 4096  # the stamp stands on the second line
@@ -35,6 +36,12 @@ def stamp(version: str, settings: str) -> bytes:
 def is_stamped(head: bytes) -> bool:
     """Whether the beginning of a file carries a stamp."""
     return any(line.startswith(STAMP) for line in head[:HEAD_BYTES].splitlines()[:16])
+
+
+def looked_into(texts: Iterator[bytes]) -> tuple[bool, Iterator[bytes]]:
+    """Whether the first of a file's texts carries a stamp, and all of them again."""
+    first = next(texts, b"")
+    return is_stamped(first), chain([first] if first else [], texts)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+MARLIN_STEPS = 6  # MIN_STEPS_PER_SEGMENT: Marlin merges or drops moves of fewer
 BURST = 8.0  # segments: half of the smallest queue (16), so that corners may have more and straight lines fewer
 FITTED = 4.0  # tolerances that a fit may move nodes towards each other
 ROOM = 1.1  # segments are planned this much longer than the shortest that the firmware keeps: the fit moves nodes

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fbfcli import __version__
 from fbfcli.errors import ProfileError
 from fbfcli.gcode.stamp import stamp
-from fbfcli.motion.budget import Budget
+from fbfcli.motion.budget import MARLIN_STEPS, Budget
 from fbfcli.pipeline.choice import Choice, chosen
 from fbfcli.pipeline.commander import Commander, Remedies
 from fbfcli.pipeline.designs import Designs
@@ -21,7 +21,6 @@ from fbfcli.pipeline.summary import BUSY, Errors, Summary
 from fbfcli.printer import Printer
 from fbfcli.verify.tally import Stretches, Tally
 
-MARLIN_STEPS = 6  # MIN_STEPS_PER_SEGMENT: Marlin drops shorter moves
 FEW_MOVES, FEW = 10, 0.01  # moves left alone that are not worth a warning: the first ones of every print
 WORSE = 1.05  # times the uncompensated error that is told of
 REPRAP_SPEED = 0.55  # mm/s, just above MinimumMovementSpeed: RepRapFirmware makes slower moves faster

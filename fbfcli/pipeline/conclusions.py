@@ -15,7 +15,7 @@ from fbfcli.plant import acceleration_error
 from fbfcli.plant.intervals import ModeEstimate
 from fbfcli.plant.model import Plant, plant_of
 from fbfcli.plant.rational import Rational, profile_model
-from fbfcli.plant.shaper_score import Scored, best_shaper, most_acceleration
+from fbfcli.plant.shaper_score import DAMPING, Scored, best_shaper, most_acceleration
 from fbfcli.plant.spread import noise_spread
 from fbfcli.printer import Model
 
@@ -64,4 +64,4 @@ def klipper_choice(psd: tuple[np.ndarray, np.ndarray] | None) -> tuple[Scored | 
     if psd is None:
         return None, (), float("nan")
     best, kinds = best_shaper(*psd, impulses)
-    return best, kinds, most_acceleration(*impulses(best.name, best.frequency, 0.1))
+    return best, kinds, most_acceleration(*impulses(best.name, best.frequency, DAMPING))

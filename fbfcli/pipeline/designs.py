@@ -146,6 +146,7 @@ class Designs:
         kept = {"n_up": max(1, round(EVERY / L))} if crosses and self.method in WINDOWED else {}
         return {"L": L, **kept}
 
+
 def _steps(share: np.ndarray) -> np.ndarray:
     """Shares in steps, rows sum to 1."""
     steps = np.rint(SHARES * share)

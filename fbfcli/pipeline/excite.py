@@ -12,6 +12,7 @@ from fbfcli.errors import LimitError
 from fbfcli.gcode.interpret import initial_state, interpret
 from fbfcli.gcode.scan import scan
 from fbfcli.gcode.sweep_file import SweepFile, sweep_file
+from fbfcli.motion.budget import MARLIN_STEPS
 from fbfcli.motion.moves import moves_xy
 from fbfcli.motion.planner import Planner
 from fbfcli.motion.travel import check_travel
@@ -20,7 +21,6 @@ from fbfcli.plant.sweep_spec import SWEPT, sweep_csv
 from fbfcli.printer import Limits, Printer
 
 DEFAULT_ACCELERATIONS = (2000.0, 3500.0, 5000.0)  # Ramani et al. 2020b, Fig. 4: 2 to 5 m/s^2
-MARLIN_STEPS = 6  # Marlin merges or drops moves of fewer
 STEPS = 2  # elsewhere: less is no square wave any more
 ROOM = 0.8  # of the travel that a sweep may take
 BUSY = 0.9  # of the segments that the firmware takes per second

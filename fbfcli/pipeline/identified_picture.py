@@ -10,12 +10,11 @@ from fbfcli.pipeline.identified import Identified
 from fbfcli.plant.bode import bode_picture, decay_picture, power_picture
 from fbfcli.plant.intervals import draws
 
-KINDS = ("png", "svg", "pdf")
 DRAWS, SEED = 60, 1
 
 
 def picture(found: Identified, kind: str) -> bytes:
-    """The picture as a file of one of KINDS."""
+    """The picture as a file: png, svg or pdf."""
     modes = [mode.frequency.value for mode in found.modes]
     captures = [(PurePath(one.name).name, one.fs, one.y) for one in found.captures]
     names = ", ".join(PurePath(name).name for name in found.source)

@@ -31,14 +31,13 @@ Impulses = Callable[[str, float, float], tuple[np.ndarray, np.ndarray]]
 
 @dataclass(frozen=True)
 class Scored:
-    """One shaper: its frequency [Hz], vibrations left (0 to 1), smoothing [mm], score, most acceleration [mm/s^2]."""
+    """One shaper: its frequency [Hz], vibrations left (0 to 1), smoothing [mm], score."""
 
     name: str
     frequency: float
     vibrations: float
     smoothing: float
     score: float
-    acceleration: float
 
 
 def klipper_spectrum(measured: np.ndarray, fs: float) -> tuple[np.ndarray, np.ndarray]:
@@ -86,7 +85,7 @@ def _scored(name: str, f: np.ndarray, psd: np.ndarray, impulses: Impulses) -> li
         left = max(float(np.maximum(residual(A, T, z, f) * psd - floor, 0).sum()) for z in DAMPINGS) / total
         smooth = smoothing(A, T, ACCELERATION)
         score = smooth * (left**1.5 + 0.2 * left + 0.01)
-        tried.append(Scored(name, float(frequency), left, smooth, score, 0.0))
+        tried.append(Scored(name, float(frequency), left, smooth, score))
     return tried
 
 
