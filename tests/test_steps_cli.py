@@ -100,13 +100,14 @@ def test_quiet_is_quiet(part, capsys):
 def test_a_compensated_file_is_taken_as_it_is_written(part, capsys):
     assert main.run(["compensate", "-p", "synthetic_bed_slinger", "-m", "mzv", "-q", str(part)]) == 0
     ready = part.with_name("my part.fbf.gcode")
-    assert run(ready, "--json", "-") == 0
+    assert run(ready, "-m", "auto", "--json", "-") == 0
     said = capsys.readouterr()
     assert json.loads(said.out)["method"] == "none"
     assert "compensated already, taken as it is written" in said.err
     assert tuple(motor["end"] for motor in json.loads(said.out)["motors"][:3]) == END
-    assert run(ready, "--accel", 1000) == 2
-    assert "no --accel" in capsys.readouterr().err
+    for words, option in (["-m", "auto", "--accel", 1000], "--accel"), (["-m", "lpfbs"], "--method"):
+        assert run(ready, *words) == 2
+        assert f"no {option}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("words", "told"), [

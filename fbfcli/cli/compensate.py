@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -98,8 +97,6 @@ def _target(
     """Where the new text goes: a file, standard output, or (None) nowhere."""
     if in_place and (file == DASH or output):
         raise click.UsageError("-i changes FILE itself: it takes a file, and no -o")
-    if file == DASH and sys.stdin.isatty():
-        raise click.UsageError("no FILE, and standard input is a terminal")
     target = None if dry_run else file if in_place else output or (DASH if file == DASH else _beside(file))
     if target == DASH and json_to == DASH:
         raise click.UsageError("the G-code and --json both go to standard output: give one of them a file")

@@ -22,8 +22,10 @@ NEW_FILE = 0o666  # less the umask
 
 @contextmanager
 def reading(name: str) -> Iterator[BinaryIO]:
-    """A file, or standard input. Raises FbfError where there is nothing to read."""
+    """A file, or standard input. Raises FbfError where there is nothing to read, UsageError where nobody sends it."""
     if name == DASH:
+        if sys.stdin.isatty():
+            raise click.UsageError("no FILE, and standard input is a terminal")
         yield sys.stdin.buffer
         return
     path = Path(name)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -108,8 +107,6 @@ def _identified(files: tuple[str, ...], how: dict[str, Any]) -> Identified:
 
 
 def _content(name: str) -> tuple[str, bytes]:
-    if name == DASH and sys.stdin.isatty():
-        raise click.UsageError("FILE is -, and standard input is a terminal")
     with reading(name) as stream:
         return ("standard input" if name == DASH else name), stream.read()
 

@@ -90,7 +90,7 @@ _OPTIONS = (
     ),
     click.option(
         "--velocity",
-        type=Number(min=0, min_open=True),
+        type=Number(min=1),
         metavar="MM/S",
         help="Plan with this speed limit instead of the file's.",
     ),

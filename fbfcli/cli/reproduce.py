@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import textwrap
 import warnings
 from collections.abc import Callable, Sequence
@@ -104,6 +105,9 @@ def _writable(folder: str) -> None:
     """Refuse before the work, not after it, what could not be written."""
     if Path(folder).exists() and not Path(folder).is_dir():
         raise FbfError(f"{folder}: is not a folder; figures go to one (-o)")
+    there = next(each for each in (Path(folder).absolute(), *Path(folder).absolute().parents) if each.exists())
+    if not os.access(there, os.W_OK):
+        raise FbfError(f"{folder}: {there} cannot be written to; name another folder (-o)")
 
 
 def _items(part: str | None) -> list[Item]:

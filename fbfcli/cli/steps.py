@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -109,8 +108,6 @@ def _targets(
     file: str, output: str | None, ending: str, events: str | None, json_to: str | None, dry_run: bool
 ) -> tuple[str | None, str | None]:
     """Where the stream and its events go: a file, standard output, or (None) nowhere."""
-    if file == DASH and sys.stdin.isatty():
-        raise click.UsageError("no FILE, and standard input is a terminal")
     target = output or (DASH if file == DASH else str(Path(file).with_suffix(ending)))
     if dry_run:
         check_targets([file], target, json_to)
@@ -158,11 +155,14 @@ def _steps(
 
 def _settings(file: str, how: dict[str, Any], stamped: bool, quiet: bool) -> Settings:
     """As asked for; a file that is compensated already is not compensated again."""
+    from fbfcli.pipeline.settings import AUTO
     from fbfcli.pipeline.steps import AS_WRITTEN
 
     if stamped:
-        if given := next((option for option in ("accel", "velocity") if how[option] is not None), None):
-            raise click.UsageError(f"{file} is compensated already and taken as it is written: no --{given}")
+        wanted = {**how, "method": None if how["method"] in (AUTO, AS_WRITTEN) else how["method"]}
+        if given := next((option for option, value in wanted.items() if value is not None), None):
+            option = given.replace("_", "-")
+            raise click.UsageError(f"{file} is compensated already and taken as it is written: no --{option}")
         if not quiet:
             click.echo(f"{file}: is compensated already, taken as it is written", err=True)
         how = {"method": AS_WRITTEN}
