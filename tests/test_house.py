@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "fbfcli"
 FLOORS = (  # from the ground up: imports go strictly down, and rooms on one floor do not know each other
-    ("errors", "units"),
+    ("digits", "errors", "units"),
     ("printer", "toml_table"),
     ("uncertainty_toml", "profile_text"),
     ("printer_toml",),

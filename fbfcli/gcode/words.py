@@ -1,8 +1,7 @@
 """Segments to G1 lines, as arrays of characters: no Python loop per line.
 
 Every word is an integer of 1e-5 of the file's unit (five decimals), so sums and differences of words are exact. A word
-is written as three pieces of eight bytes, looked up in tables; bytes that are not needed are zero, and taken out of all
-lines at once:  " X-" and the digits above 1e5 | five digits before the point | the point and five decimals.
+is three pieces of eight bytes:  " X-" and the digits above 1e5 | five digits before the point | point and decimals.
 """
 
 from __future__ import annotations
@@ -11,8 +10,9 @@ from functools import cache
 
 import numpy as np
 
-SCALE = 100_000  # words per mm or inch: five decimals
-PIECE = np.dtype("<u8")  # eight bytes, the first one lowest
+from fbfcli.digits import FIVE, PIECE, piece, tables, written
+
+SCALE = FIVE  # words per mm or inch: five decimals
 
 
 def to_words(values: np.ndarray) -> np.ndarray:
@@ -27,31 +27,26 @@ def feed_words(feed: np.ndarray) -> np.ndarray:
 
 
 @cache
-def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Eight bytes for each number below 1e5: as it is written, with leading zeros, as decimals behind a point."""
+def _decimals() -> np.ndarray:
+    """A piece for each number below 1e5: as decimals behind a point, without zeros at the end."""
     number = np.arange(SCALE)
-    digits = (number[:, None] // 10 ** np.arange(4, -1, -1) % 10 + ord("0")).astype(np.uint8)
-    padded, short, decimals = (np.zeros((SCALE, 8), dtype=np.uint8) for _ in range(3))
-    padded[:, 3:] = short[:, 3:] = digits
-    for column in range(4):  # leading zeros, but for the last
-        short[number < 10 ** (4 - column), 3 + column] = 0
-    decimals[:, 0] = ord(".")
-    decimals[:, 1:6] = digits
-    for column in range(5):  # trailing zeros, and the point behind which all are
-        decimals[number % 10 ** (5 - column) == 0, 1 + column] = 0
-    decimals[0] = 0
-    return tuple(table.view(PIECE).ravel() for table in (short, padded, decimals))  # type: ignore[return-value]
+    pieces = np.zeros((SCALE, 8), dtype=np.uint8)
+    pieces[:, 0] = ord(".")
+    pieces[:, 1:6] = tables()[1].view(np.uint8).reshape(-1, 8)[:, 3:]
+    for column in range(5):  # and the point behind which all are
+        pieces[number % 10 ** (5 - column) == 0, 1 + column] = 0
+    pieces[0] = 0
+    return pieces.view(PIECE).ravel()
 
 
 def _field(letter: str, words: np.ndarray, pieces: np.ndarray) -> None:
     """Write one column of words into the (n, 3) view `pieces`."""
-    short, padded, decimals = _tables()
+    short, padded = tables()
     size = np.abs(words)
     whole = size // SCALE
-    np.take(decimals, size - whole * SCALE, out=pieces[:, 2])
-    head, minus = (np.frombuffer(text.ljust(8, b"\0"), PIECE)[0] for text in (b" " + letter.encode(), b"\0\0-"))
-    pieces[:, 0] = head
-    pieces[:, 0] += np.where(words < 0, minus, np.uint64(0))
+    np.take(_decimals(), size - whole * SCALE, out=pieces[:, 2])
+    pieces[:, 0] = piece(b" " + letter.encode())
+    pieces[:, 0] += np.where(words < 0, piece(b"\0\0-"), np.uint64(0))
     long = np.flatnonzero(whole >= SCALE)
     np.take(short, whole % SCALE if len(long) else whole, out=pieces[:, 1])
     pieces[long, 1] = padded[whole[long] % SCALE]
@@ -68,12 +63,12 @@ def g1_lines(columns: list[tuple[str, np.ndarray, np.ndarray | None]]) -> tuple[
     """
     n = len(columns[0][1])
     pieces = np.empty((n, 1 + 3 * len(columns) + 1), dtype=PIECE)
-    pieces[:, 0], pieces[:, -1] = (np.frombuffer(text.ljust(8, b"\0"), PIECE)[0] for text in (b"G1", b"\n"))
+    pieces[:, 0], pieces[:, -1] = piece(b"G1"), piece(b"\n")
     for i, (letter, words, present) in enumerate(columns):
         part = pieces[:, 1 + 3 * i : 4 + 3 * i]
         _field(letter, words, part)
         if present is not None:
             part[~present] = 0
-    text = pieces.tobytes().translate(None, b"\0")
+    text = written(pieces)
     ends = np.flatnonzero(np.frombuffer(text, dtype=np.uint8) == ord("\n")) + 1
     return text, np.concatenate([[0], ends])

@@ -14,8 +14,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fbfcli.digits import chosen, decimal, rows
 from fbfcli.errors import FbfError
-from fbfcli.steps.decimals import chosen, decimal, fixed, rows
 from fbfcli.steps.stream import Motors, MotorSteps, Piece, merged, parted
 from fbfcli.units import NS_PER_S
 
@@ -28,7 +28,7 @@ class CsvWriter:
     """Writes a stream as CSV."""
 
     def __init__(self, motors: Motors):
-        self._names = [name.encode() for name in motors.names]
+        self._ends = [b",%s,%d\n" % (name.encode(), way) for name in motors.names for way in (-1, 1)]
 
     def head(self) -> Iterator[bytes]:
         yield HEAD
@@ -37,13 +37,7 @@ class CsvWriter:
         """The lines of a piece's steps."""
         time, motor, forward = merged(piece.steps.motors)
         if len(time):
-            n = len(time)
-            yield rows(
-                decimal(time, DECIMALS),
-                fixed(b",", n),
-                chosen(self._names, motor),
-                chosen([b",-1\n", b",1\n"], forward.astype(np.uint8)),
-            )
+            yield rows(len(time), decimal(time, DECIMALS), chosen(self._ends, 2 * motor + forward))
 
     def end(self) -> Iterator[bytes]:
         yield b""

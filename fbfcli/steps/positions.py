@@ -19,9 +19,9 @@ from math import floor
 
 import numpy as np
 
+from fbfcli.digits import decimal, fixed, rows
 from fbfcli.errors import FbfError
 from fbfcli.steps.curve import position
-from fbfcli.steps.decimals import decimal, fixed, rows
 from fbfcli.steps.stream import Motors, Piece
 from fbfcli.units import NS_PER_S
 
@@ -71,8 +71,8 @@ class PositionsWriter:
             i = np.clip(np.searchsorted(self._tick, at + EPS_PERIOD, side="right") - 1, 0, len(self._tick) - 2)
             q = position(self._q, i + np.clip(at - self._tick[i], 0.0, 1.0))
             cells = [decimal(np.rint(column * 10**DECIMALS).astype(np.int64), DECIMALS) for column in q.T]
-            between = [fixed(b" ", len(at))] * (len(cells) - 1) + [fixed(b"\n", len(at))]
-            yield rows(*(cell for pair in zip(cells, between, strict=True) for cell in pair))
+            between = [fixed(b" ")] * (len(cells) - 1) + [fixed(b"\n")]
+            yield rows(len(at), *(cell for pair in zip(cells, between, strict=True) for cell in pair))
         self._next = max(self._next, stop)
 
 

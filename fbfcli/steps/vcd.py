@@ -26,9 +26,9 @@ from math import ceil
 
 import numpy as np
 
+from fbfcli.digits import chosen, decimal, fixed, only, rows
 from fbfcli.errors import FbfError, ProfileError
 from fbfcli.printer import Driver
-from fbfcli.steps.decimals import chosen, decimal, fixed, only, rows
 from fbfcli.steps.stream import Motors, MotorSteps, Piece
 from fbfcli.units import NS_PER_S
 
@@ -61,7 +61,8 @@ class VcdWriter:
         self._tick = tick_of(driver)
         self._pulse = ticks(driver.step_pulse, self._tick)
         self._setup = max(ticks(driver.direction_setup, self._tick), 1)
-        self._texts = [b"%d%c\n" % (value, FIRST_CODE + i) for i in range(2 * len(self._names)) for value in (0, 1)]
+        texts = [b"%d%c\n" % (value, FIRST_CODE + i) for i in range(2 * len(self._names)) for value in (0, 1)]
+        self._texts = [*texts, *(b"\n" + text for text in texts)]  # the first at a time ends the line of its stamp
         self._forward = [False] * len(self._names)  # what each dir wire says
         self._waiting = (np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))  # changes to come: ticks, texts
         self._last = 0  # tick of the last change
@@ -99,8 +100,8 @@ class VcdWriter:
             return b""
         new = np.diff(at, prepend=self._last) != 0
         self._last = int(at[-1])
-        stamp = only(decimal(at), new)
-        return rows(only(fixed(b"#", due), new), stamp, only(fixed(b"\n", due), new), chosen(self._texts, text))
+        stamp = only([*fixed(b"#"), *decimal(at)], new)
+        return rows(due, stamp, chosen(self._texts, text + len(self._texts) // 2 * new))
 
     def end(self) -> Iterator[bytes]:
         """The last changes."""
