@@ -142,7 +142,7 @@ class Timeline:
             of[grid.move] = place[passed + grid.stretch]
             passed += len(grid.begin)
             if grid.open_last:
-                start[-1], of[-1] = grid.count - grid.begin[-1], len(move) - 1
+                start[-1], of[-1] = grid.count - grid.begin[-1] + grid.phase, len(move) - 1
         rows = np.concatenate([[0], np.cumsum(known)])[:-1]
         begin = np.concatenate([grid.begin + row for grid, row in zip(grids, rows, strict=True)])
         length = [np.minimum(grid.end, n - 1) - grid.begin for grid, n in zip(grids, known, strict=True)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from print_cases import LIMITS, START, compensated, print_time, printer, prints, random_print, read
 
@@ -187,8 +187,12 @@ def assert_command(text: str, how: Settings) -> None:
     assert np.allclose(command[moving], track[along][-np.count_nonzero(moving) :], rtol=0, atol=1e-9)
 
 
+EVENT_AT_A_CUT = START + "G1 X101.132 Y118.487 E1\nG1 X92.926 Y113.122 E1\nM104 S28\nG1 X74.46 Y108.29 E1\n"
+
+
 @settings(max_examples=10)
 @given(text=prints("klipper"), size=st.sampled_from([64, 700, 5000]))
+@example(EVENT_AT_A_CUT, 64)
 def test_any_chunks_make_the_same_steps(text, size):
     assert_same(streamed(text, machine(), ZV), streamed(text, machine(), ZV, size))
 
