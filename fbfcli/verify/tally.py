@@ -26,6 +26,7 @@ class Stretches:
     goes_on    : bool                              the last stretch goes on in the next ones
     desired, command : ndarray, shape (n, 2)       [mm]
     extruding  : ndarray of bool, shape (n,)
+    line       : ndarray of int, shape (n,)        line of the file that asks for each sample, counted from 0
     first      : ndarray of int, shape (s,)        first segment of each
     start, delta : ndarray, shape (k, 4)           segments as written [mm]
     distance   : ndarray, shape (k,)
@@ -44,6 +45,7 @@ class Stretches:
     desired: np.ndarray
     command: np.ndarray
     extruding: np.ndarray
+    line: np.ndarray
     first: np.ndarray
     start: np.ndarray
     delta: np.ndarray
