@@ -4,7 +4,8 @@ Who writes what: PrusaSlicer, SuperSlicer, OrcaSlicer `;LAYER_CHANGE`, `;Z:0.2`,
 `; CHANGE_LAYER`, `; Z_HEIGHT: 0.2`, `; FEATURE: Outer wall`; Cura, ideaMaker `;LAYER:0`, `;TYPE:WALL-OUTER`; Simplify3D
 `; layer 1, Z = 0.2`, `; feature outer perimeter` (version 4.0: `; outer perimeter`); KISSlicer
 `; BEGIN_LAYER_OBJECT z=0.2`, `; 'Perimeter Path', ...`; Kiri:Moto `;; --- layer 0 (0.25 @ 0.25) ---`; IceSL
-`; <layer>`; Slic3r `; move to next layer (0)`; CraftWare `;segType:Perimeter`; FlashPrint `;layer:0.2`, `;structure:shell-outer`.
+`; <layer>`; Slic3r `; move to next layer (0)`; CraftWare `;segType:Perimeter`; FlashPrint `;layer:0.2`,
+`;structure:shell-outer`.
 """
 
 from __future__ import annotations
