@@ -30,6 +30,47 @@ class Widths:
         return float(np.sqrt(np.average((self.width - 1.0) ** 2, weights=self.way))) if len(self.way) else 0.0
 
 
+@dataclass(frozen=True)
+class BeadFigures:
+    """How far a bead's width is from the sliced one; shares of its length.
+
+    length          : that was measured [mm]
+    rms             : deviation, 1 is the whole width
+    over_5, over_10 : wider by more than 5 %, 10 %
+    under_5, under_10 : thinner
+    """
+
+    length: float
+    rms: float
+    over_5: float
+    over_10: float
+    under_5: float
+    under_10: float
+
+
+class BeadTally:
+    """Widths of beads, by feature, as far as they have come."""
+
+    def __init__(self) -> None:
+        self._sums = np.zeros((0, 6))  # of each feature: length, squares, then the lengths that are told of
+
+    def add(self, widths: Widths, feature: np.ndarray) -> None:
+        """Count pieces; the feature of each (k,)."""
+        if not len(feature):
+            return
+        missing = int(feature.max()) + 1 - len(self._sums)
+        self._sums = np.concatenate([self._sums, np.zeros((max(missing, 0), 6))])
+        off = widths.width - 1.0
+        told = (np.ones_like(off), off * off, off > 0.05, off > 0.1, off < -0.05, off < -0.1)
+        for column, each in enumerate(told):
+            self._sums[:, column] += np.bincount(feature, widths.way * each, len(self._sums))
+
+    def figures(self) -> tuple[BeadFigures, dict[int, BeadFigures]]:
+        """Of all, and of each feature that was printed."""
+        told = {k: _figures(row) for k, row in enumerate(self._sums) if row[0] > 0.0}
+        return _figures(self._sums.sum(axis=0)), told
+
+
 class Beads:
     """The beads of a print that is fed piece by piece."""
 
@@ -75,6 +116,13 @@ class Beads:
         keep = whole[:-1] & (sums[3, :-1] > 0.0) & (sums[1, :-1] > 0.0)
         way, went, pushed, wanted = sums[:, :-1][:, keep]
         return Widths((pushed / went) / (wanted / way), way, starts[1:][keep])
+
+
+def _figures(sums: np.ndarray) -> BeadFigures:
+    length, squares, *beyond = sums.tolist()
+    if not length:
+        return BeadFigures(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return BeadFigures(length, (squares / length) ** 0.5, *(each / length for each in beyond))
 
 
 def _length(row: np.ndarray) -> np.ndarray:
