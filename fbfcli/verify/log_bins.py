@@ -58,6 +58,14 @@ class LogBins:
         value = np.where(at > 0, LOWEST * RATIO ** (at + np.clip(inside, 0.0, 1.0)), self._max)
         return np.minimum(value, self._max)
 
+    def all(self) -> LogBins:
+        """Every group together, as group 0."""
+        one = LogBins()
+        if len(self._max):
+            one._bins, one._squares = self._bins.sum(axis=0, keepdims=True), self._squares.sum(keepdims=True)
+            one._max = self._max.max(keepdims=True)
+        return one
+
     def _grow(self, groups: int) -> None:
         missing = groups - len(self._max)
         if missing > 0:

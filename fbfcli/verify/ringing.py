@@ -17,7 +17,8 @@ from fbfcli.verify.passage import Passage
 WINDOW_S = 0.25  # after a corner; what rings longer has rung enough to be measured
 PAUSE_S = 0.005  # a rest that ends a wall
 WAVES = 8  # half waves that are looked at
-LEAST_UM = 0.1  # a smaller swing is no ringing: its wavelength means nothing
+LEAST_UM = 1.0  # a smaller swing is no ringing: its wavelength means nothing
+LOWEST = 5.0  # Hz: what changes sign more slowly is no ringing either
 AT_ONCE = 1 << 20  # samples of windows that are looked at together
 UM = 1e3
 
@@ -148,13 +149,14 @@ def _waves(across: np.ndarray, way: np.ndarray, dt: float) -> dict[str, np.ndarr
     row = np.arange(c)
     t, s = ([_crossing(across, each, row, at) for at in (first, last)] for each in (dt * np.arange(n), way))
     halves = many - 1
-    rings = (halves >= 2) & (UM * amplitude > LEAST_UM)
     with np.errstate(divide="ignore", invalid="ignore"):
+        frequency = halves / 2.0 / (t[1] - t[0])
+        rings = (halves >= 2) & (UM * amplitude > LEAST_UM) & (frequency > LOWEST)
         return {
             "amplitude": amplitude,
             "decay": np.where(rings, peaks[:, 1] / peaks[:, 0], np.nan),
             "wavelength": np.where(rings, 2.0 * (s[1] - s[0]) / halves, np.nan),
-            "frequency": np.where(rings, halves / 2.0 / (t[1] - t[0]), np.nan),
+            "frequency": np.where(rings, frequency, np.nan),
         }
 
 
