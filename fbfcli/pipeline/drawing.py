@@ -45,7 +45,7 @@ class Drawing:
         self.marks = Marks()
         self._executions = Executions(self.marks, designs, dt, shaping)
         self._passages = [Passages(plants_of(designs, condition, dt)) for condition in under]
-        self._accounts = [Account() for _ in under]
+        self._accounts = [Account(self.marks.features) for _ in under]
         self._motors = Motors(machine, kinematics_of(machine), dt)
 
     def stretches(self, part: Stretches) -> None:
@@ -68,6 +68,7 @@ class Drawing:
             self._draw(execution)
         for i, passages in enumerate(self._passages):
             self._count(i, passages.finish())
+            self._accounts[i].finish()
         return tuple(account.figures() for account in self._accounts), self._motors.figures()
 
     def _draw(self, execution: Execution) -> None:
