@@ -36,7 +36,7 @@ class Stretches:
     late       : float                             how late the first starts [s]
     dt         : float
     place      : ndarray of int, shape (n,)        where the print is; None: the plants hold everywhere
-    filament   : ndarray, shape (n,)               E as sliced, on the desired time base [mm]; None: that of the segments
+    filament   : ndarray, shape (n,)               E as sliced [mm]; None: that of the segments
     """
 
     begin: np.ndarray
