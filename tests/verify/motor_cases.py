@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,10 +20,10 @@ MIDDLE = 100.0  # mm: where prints begin
 
 
 def printer(kinematics: str = "cartesian", motor: Motor | None = MOTOR, load: Load | None = LOAD) -> Printer:
-    """X, Y and, on a delta, Z have the same motor."""
-    axes = [Axis(name, (0.0, 300.0), 80.0, motor=motor, load=load) for name in "XYZ"]
-    if kinematics != "delta":
-        axes[2] = replace(axes[2], motor=None, load=None)
+    """X, on a CoreXY also Y, and on a delta Z too have this motor."""
+    driven = {"cartesian": "X", "corexy": "XY", "delta": "XYZ"}[kinematics]
+    axes = [Axis(name, (0.0, 300.0), 80.0, motor=motor, load=load) if name in driven else Axis(name, (0.0, 300.0), 80.0)
+            for name in "XYZ"]  # fmt: skip
     return Printer("test", "", "klipper", kinematics, (axes[0], axes[1], axes[2]), Limits(), 1000.0,
                    delta_radius=150.0, arm_length=300.0)  # fmt: skip
 
@@ -67,6 +67,6 @@ def told(x: np.ndarray, machine: Printer, needed: float = NEEDED, pieces: int = 
     """What the motors are asked for by a rigid machine's print that arrives in pieces."""
     motors = Motors(machine, kinematics_of(machine), DT, needed)
     cuts = np.linspace(0, len(x), pieces + 1).astype(int)
-    for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+    for a, b in pairwise(cuts):
         motors.add(rigid(execution(x[a:b], first=int(a), goes_on=b < len(x))))
     return motors.figures()
