@@ -19,6 +19,7 @@ from fbfcli.verify.account import Account, Accounted
 from fbfcli.verify.execution import Execution
 from fbfcli.verify.passage import Passage
 from fbfcli.verify.passages import Passages
+from fbfcli.verify.stepper import Motors
 
 AS_WRITTEN = "none"  # the method that changes nothing: the firmware's own plan
 RATE_HZ = 1000.0
@@ -95,6 +96,7 @@ class _Drawn:
         self.executions = Executions(self.marks, designs, self.dt)
         self._passages = [Passages(plants_of(designs, condition, self.dt)) for condition in under]
         self._accounts = [Account() for _ in under]
+        self.motors = Motors(machine, self.dt)
         self._watch = watch
 
     def add(self, execution: Execution) -> None:
@@ -112,6 +114,7 @@ class _Drawn:
         if passage is not None:
             self._accounts[i].add(passage)
             if i == 0:
+                self.motors.add(passage)
                 self._watch(passage)
 
 
@@ -126,8 +129,9 @@ def _as_written(
             drawn.add(drawn.executions.of_track(track))
     figures = drawn.figures()
     return Simulated(
-        AS_WRITTEN, AS_WRITTEN, "", settings.acceleration, timeline.time, figures, None, tuple(reader.warnings)
-    )
+        AS_WRITTEN, AS_WRITTEN, "", settings.acceleration, timeline.time, figures, drawn.motors.figures(), None,
+        tuple(reader.warnings),
+    )  # fmt: skip
 
 
 def _compensated(
@@ -145,5 +149,6 @@ def _compensated(
     told = done.summary
     figures = drawn.figures()
     return Simulated(
-        settings.method, told.method, told.why, settings.acceleration, told.time, figures, told, told.warnings
-    )
+        settings.method, told.method, told.why, settings.acceleration, told.time, figures, drawn.motors.figures(), told,
+        told.warnings,
+    )  # fmt: skip

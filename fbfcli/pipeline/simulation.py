@@ -7,6 +7,9 @@ from dataclasses import asdict, dataclass
 from fbfcli.pipeline.machine import Condition
 from fbfcli.pipeline.summary import Summary, clock, told
 from fbfcli.verify.account import Accounted
+from fbfcli.verify.motors_told import MotorsTold
+
+NO_MOTOR = "not simulated, the profile describes none ([axis.x.motor])"
 
 
 @dataclass(frozen=True)
@@ -18,6 +21,7 @@ class Simulated:
     acceleration : it was planned with [mm/s^2]; None: the file's own
     time         : of the print [s]
     figures      : of each condition, in their order
+    motors       : of the machine as modelled
     compensated  : the summary of the compensation; None where the file was executed as it is written
     """
 
@@ -27,6 +31,7 @@ class Simulated:
     acceleration: float | None
     time: float
     figures: tuple[Accounted, ...]
+    motors: MotorsTold
     compensated: Summary | None
     warnings: tuple[str, ...]
 
@@ -41,6 +46,7 @@ class Simulated:
             "conditions": {
                 condition.name: figures.as_dict() for condition, figures in zip(conditions, self.figures, strict=True)
             },
+            "motors": self.motors.as_dict(),
             "compensated": None if self.compensated is None else self.compensated.as_dict(),
             "warnings": list(self.warnings),
         }
@@ -78,4 +84,6 @@ class Simulation:
             )
             for one in self.results
         ]
-        return told(rows, self.warnings)
+        moved = [(f"motors, {one.name}", one.motors.text()) for one in self.results if one.motors.motors]
+        lost = [f"{one.name}: {warning}" for one in self.results for warning in one.motors.warnings]
+        return told(rows + (moved or [("motors", NO_MOTOR)]), [*self.warnings, *lost])

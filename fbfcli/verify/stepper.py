@@ -1,6 +1,6 @@
 """The steppers under a print: how much of their torque it takes, how far their rotors are behind, where steps are lost.
 
-For every sample there is a bound of the load angle (`rotor_bound`). Where it needs more than NEEDED of the torque that
+For every sample there is what a linear rotor takes (`rotor_bound`). Where that is more than NEEDED of the torque that
 is left, the rotor is integrated in full (`rotor`), until the motor runs slowly enough to catch a rotor that was lost.
 What stays below NEEDED is far from the maximum of the sine, where a rotor falls off.
 """
@@ -12,7 +12,7 @@ from math import pi
 
 import numpy as np
 
-from fbfcli.motion.kinematics import Kinematics
+from fbfcli.motion.kinematics import kinematics_of
 from fbfcli.printer import Motor, Printer
 from fbfcli.verify.microsteps import finest
 from fbfcli.verify.motor_course import Asked, Asking
@@ -34,21 +34,21 @@ Watch = Callable[[np.ndarray, np.ndarray, tuple[str, ...]], None]
 
 
 class Motors:
-    """All motors of a printer that its profile describes, fed with a print piece by piece.
+    """All motors of a printer that its profile describes, fed with a print piece by piece. ProfileError: kinematics_of.
 
     needed : NEEDED; 0 integrates everything
     watch  : told of times (n,) [s], the share of its torque that each of m motors is asked for then, (n, m), and names
     """
 
-    def __init__(self, printer: Printer, kinematics: Kinematics, dt: float, needed: float = NEEDED,
+    def __init__(self, printer: Printer, dt: float, needed: float = NEEDED,
                  watch: Watch = lambda time, share, names: None):  # fmt: skip
-        self._asking = Asking(kinematics, [axis.load for axis in printer.axes], dt)
         self._needed, self._watch = needed, watch
-        self._each = {
-            i: _Motor(name, axis.motor, dt, needed)
-            for i, (name, axis) in enumerate(zip(kinematics.names, printer.axes, strict=True))
-            if axis.motor is not None
-        }
+        described = {i: axis.motor for i, axis in enumerate(printer.axes) if axis.motor is not None}
+        self._each: dict[int, _Motor] = {}
+        if described:
+            kinematics = kinematics_of(printer)
+            self._asking = Asking(kinematics, [axis.load for axis in printer.axes], dt)
+            self._each = {i: _Motor(kinematics.names[i], motor, dt, needed) for i, motor in described.items()}
 
     def add(self, passage: Passage) -> None:
         """More of the print. Raises LimitError beyond a delta's reach."""
@@ -84,17 +84,16 @@ class _Motor:
         self._lost_track = False  # the bound has been beyond the torque, and the motor still runs fast
         self._waiting: list[Course] = []
         self._samples = self._integrated = self._count = 0
-        self._share = self._angle = self._bounded = (0.0, Moment(0, 0.0, 0.0))
+        self._share = self._angle = (0.0, Moment(0, 0.0, 0.0))
         self.lost: list[LostSteps] = []
 
     def add(self, asked: Asked, i: int) -> np.ndarray:
         """Share of its torque that each sample asks for."""
         course = self._course(asked, i)
-        bound, share = self._bound.add(course.u) / course.g, np.abs(course.u) / course.g
+        share = self._bound.add(course.u) / course.g
         self._share = _larger(self._share, share, course)
-        self._bounded = _larger(self._bounded, bound, course)
         self._samples += len(course)
-        self._waiting += self._windows.add(course, (bound >= self._needed) | self._off_track(bound, course.speed))
+        self._waiting += self._windows.add(course, (share >= self._needed) | self._off_track(share, course.speed))
         if sum(map(len, self._waiting)) >= TOGETHER:
             self._integrate()
         return share
@@ -107,7 +106,7 @@ class _Motor:
         motor = self._motor
         angle, where = self._angle
         if not self._integrated:
-            angle, where = float(np.arcsin(min(1.0, self._bounded[0]))), self._bounded[1]
+            angle, where = float(np.arcsin(min(1.0, self._share[0]))), self._share[1]
         full_steps = angle / (2.0 * pi) * STEPS_PER_CYCLE
         return MotorLoad(
             name=self.name,
@@ -140,11 +139,11 @@ class _Motor:
             line=asked.line,
         )
 
-    def _off_track(self, bound: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    def _off_track(self, share: np.ndarray, speed: np.ndarray) -> np.ndarray:
         """From where the torque may not suffice until the field is slow: below its own frequency a rotor is caught."""
         fast = np.abs(speed) * self._per_mm * self._motor.full_steps / STEPS_PER_CYCLE > self._rotor.w
-        k = np.arange(len(bound))
-        beyond = np.maximum.accumulate(np.where(bound >= 1.0, k, -1))
+        k = np.arange(len(share))
+        beyond = np.maximum.accumulate(np.where(share >= 1.0, k, -1))
         slow = np.maximum.accumulate(np.where(fast, -1, k))
         off = (beyond > slow) | (self._lost_track & (slow < 0))
         self._lost_track = bool(off[-1])

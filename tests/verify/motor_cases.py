@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from fbfcli.motion.kinematics import kinematics_of
 from fbfcli.printer import Axis, Limits, Load, Motor, Printer
 from fbfcli.verify.execution import Execution
 from fbfcli.verify.motors_told import MotorsTold
@@ -65,7 +64,7 @@ def along(axis: int, move: np.ndarray) -> np.ndarray:
 
 def told(x: np.ndarray, machine: Printer, needed: float = NEEDED, pieces: int = 1) -> MotorsTold:
     """What the motors are asked for by a rigid machine's print that arrives in pieces."""
-    motors = Motors(machine, kinematics_of(machine), DT, needed)
+    motors = Motors(machine, DT, needed)
     cuts = np.linspace(0, len(x), pieces + 1).astype(int)
     for a, b in pairwise(cuts):
         motors.add(rigid(execution(x[a:b], first=int(a), goes_on=b < len(x))))

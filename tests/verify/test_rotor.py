@@ -121,7 +121,7 @@ def test_rows_of_different_length_do_not_touch_each_other():
 @given(st.integers(0, 2**32 - 1), st.floats(0.02, 0.45), st.floats(5.0, 150.0), st.floats(0.02, 0.2))
 @settings(max_examples=20)
 def test_no_rotor_swings_further_than_its_bound(seed, size, frequency, zeta):
-    """Loads of any shape with little above `frequency`; jumps too. The sine's softness costs 5 % at most below 0.9."""
+    """A load that swings at `frequency` and jumps. The sine's softness costs 5 % at most with a bound below 0.8."""
     rng = np.random.default_rng(seed)
     rotor = Rotor(1500.0, zeta)
     t = np.arange(250) * DT
@@ -129,7 +129,7 @@ def test_no_rotor_swings_further_than_its_bound(seed, size, frequency, zeta):
     u[rng.integers(50, 200) :] += size * rng.uniform(-1, 1)
     bound = Bound(rotor, DT).add(u)
     phi, _ = swung(rotor, course(u), DT)
-    if bound.max() < 0.9:
+    if bound.max() < 0.8:
         assert np.abs(phi).max() <= 1.05 * asin(bound.max()) + 1e-9
 
 

@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from motor_cases import DT, LOAD, MIDDLE, MOTOR, along, execution, printer, rigid, there, told
 
 from fbfcli.errors import LimitError
-from fbfcli.motion.kinematics import kinematics_of
 from fbfcli.printer import Load
-from fbfcli.verify.rotor import Course
+from fbfcli.verify.rotor import Course, rotor_of
 from fbfcli.verify.rotor_windows import Windows
 from fbfcli.verify.stepper import Motors
 from fbfcli.verify.torque_speed import standstill_torque
@@ -35,7 +34,7 @@ def moves(*accelerations: float, speed: float = 150.0) -> np.ndarray:
 def test_at_constant_speed_friction_alone_makes_a_load_angle(friction, speed):
     """asin(T / T_max) where nothing is accelerated, and none without friction; the ramps take 0.02."""
     machine, shares = printer(motor=replace(MOTOR, damping=0.7), load=Load(1e-9, friction)), []
-    motors = Motors(machine, kinematics_of(machine), DT, 0.0, lambda time, share, names: shares.append(share))
+    motors = Motors(machine, DT, 0.0, lambda time, share, names: shares.append(share))
     motors.add(rigid(execution(along(0, there(0.2 * speed, speed, speed / 0.1, rest=5)))))
     motor = motors.figures().motors[0]
     assert shares[0][150] == pytest.approx(friction * ARM / TORQUE, abs=1e-6)
@@ -46,9 +45,9 @@ def test_at_constant_speed_friction_alone_makes_a_load_angle(friction, speed):
 @given(st.floats(0.1, 3.0), st.floats(500.0, 8000.0))
 @settings(max_examples=15)
 def test_a_mass_asks_for_its_acceleration(mass, acceleration):
-    motor = told(moves(acceleration), printer(load=Load(mass))).motors[0]
+    motor = told(moves(acceleration), printer(motor=replace(MOTOR, damping=0.9), load=Load(mass))).motors[0]
     carried = mass + MOTOR.rotor_inertia / ARM**2
-    assert motor.share == pytest.approx(1e-3 * carried * acceleration * ARM / TORQUE, rel=1e-3)
+    assert motor.share == pytest.approx(1e-3 * carried * acceleration * ARM / TORQUE, rel=0.01)
     assert motor.headroom == 1.0 - motor.share
 
 
@@ -57,7 +56,7 @@ def test_a_move_beyond_the_torque_loses_steps_where_it_is_and_one_below_it_none(
     second = len(moves(0.3 * BREAKAWAY))
     third = len(moves(0.3 * BREAKAWAY, 0.6 * BREAKAWAY))
     lines = np.repeat([10, 20, 30], [second, third - second, len(x) - third])
-    motors = Motors(printer(load=HEAVY), kinematics_of(printer()), DT)
+    motors = Motors(printer(load=HEAVY), DT)
     motors.add(rigid(execution(x, lines)))
     figures = motors.figures()
     assert figures.lost and {one.motor for one in figures.lost} == {"x"}
@@ -148,22 +147,22 @@ def test_a_profile_without_motors_has_no_figures():
 
 
 def test_a_load_behind_a_soft_belt_is_not_felt_at_once():
-    """A jump of the commanded speed moves the rotor alone; a rigid mass would have asked for all of the torque."""
+    """A jump of the commanded speed swings the rotor alone, by jump / w; a rigid mass asks for all of the torque."""
     x = along(0, np.r_[np.full(100, MIDDLE), MIDDLE + 100.0 * DT * np.arange(300)])
     what = execution(x)
     still = replace(rigid(what), nozzle=np.full((len(x), 2), MIDDLE))
     machine = printer(load=HEAVY)
-    motors = Motors(machine, kinematics_of(machine), DT)
+    motors = Motors(machine, DT)
     motors.add(still)
     soft, hard = motors.figures().motors[0], told(x, machine).motors[0]
-    inertia = MOTOR.rotor_inertia * 100.0 / DT * 2e-3 * pi / 40.0 * 1e3
-    assert soft.share == pytest.approx(inertia / TORQUE, rel=0.01)
+    swing = 0.25 * MOTOR.full_steps * 2.0 * pi * 100.0 / MOTOR.mm_per_turn / rotor_of(MOTOR).w
+    assert 0.75 * swing < soft.share < swing  # damped, and the jump takes a sample
     assert hard.share > 3.0 * soft.share
 
 
 def test_who_watches_sees_the_highest_share():
     machine, seen = printer(load=LOAD), []
-    motors = Motors(machine, kinematics_of(machine), DT, watch=lambda t, share, names: seen.append((t, share, names)))
+    motors = Motors(machine, DT, watch=lambda t, share, names: seen.append((t, share, names)))
     motors.add(rigid(execution(moves(3000.0))))
     figures = motors.figures()
     share = np.concatenate([one[1] for one in seen])
