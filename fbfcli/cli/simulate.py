@@ -163,7 +163,7 @@ def _simulate(
     settings: Settings,
     wanted: Wanted,
     chosen: bool,
-    watchers: list[Watcher],
+    watchers: Sequence[Watcher],
     quiet: bool,
 ) -> Simulation:
     """Read the file as often as needed, and simulate it."""
