@@ -23,8 +23,9 @@ from fbfcli.verify.passage import Passage
 ROUNDING = 1e-9  # mm, of positions up to 1000 mm
 LINE = "G90\nM83\nG1 X120 Y120 F6000\nG1 X130 Y90 E1\n"
 ZIGZAG = "".join(f"G1 X{100 + 60 * (i % 2)} Y{103 + 3 * i} E1 F9000\n" for i in range(20))
-TWO_LAYERS = START + f"G4 P500\n;LAYER_CHANGE\n;TYPE:wall\n{ZIGZAG}G1 E-1 F2400\nG1 Z0.6 F900\n;LAYER_CHANGE\n;TYPE:infill\n" + (
-    f"G4 P200\nG1 E1 F2400\n{ZIGZAG}"
+TWO_LAYERS = (
+    f"{START}G4 P500\n;LAYER_CHANGE\n;TYPE:wall\n{ZIGZAG}G1 E-1 F2400\nG1 Z0.6 F900\n"
+    f";LAYER_CHANGE\n;TYPE:infill\nG4 P200\nG1 E1 F2400\n{ZIGZAG}"
 )
 
 
