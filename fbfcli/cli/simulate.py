@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import click
 
-from fbfcli.cli.files import DASH, check_targets, rereading
+from fbfcli.cli.files import DASH, check_targets, rereading, writing
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import METHODS, PERCENT, UM_PER_MM
 from fbfcli.cli.options import Number, Numbers, json_option, printer_option, quiet_option
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from fbfcli.pipeline.settings import Settings
     from fbfcli.pipeline.simulate import Wanted
     from fbfcli.pipeline.simulation import Simulation
+    from fbfcli.pipeline.watcher import Watcher
 
 BEFORE_AND_AFTER = ("none", "auto")
 AS_WRITTEN = ("none",)
@@ -87,6 +89,9 @@ class Names(click.ParamType):
     "--tolerance", type=Number(0.1, 1000), default=5.0, show_default=True, metavar="UM", help="As in `fbf compensate`."
 )
 @click.option("--segments", type=Number(min=10), metavar="PER_S", help="As in `fbf compensate`.")
+@click.option(
+    "--csv", "csv_to", metavar="FILE", help="Write where the nozzle goes, sample by sample; - is standard output."
+)
 @json_option
 @quiet_option
 def simulate(
@@ -102,6 +107,7 @@ def simulate(
     spread: float | None,
     tolerance: float,
     segments: float | None,
+    csv_to: str | None,
     json_to: str | None,
     quiet: bool,
 ) -> None:
@@ -121,9 +127,12 @@ def simulate(
         raise click.UsageError(f"--rate takes whole thousands, as 1000 or 4000: {rate} is not")
     if file == DASH and sys.stdin.isatty():
         raise click.UsageError("no FILE, and standard input is a terminal")
-    check_targets([file], json_to)
+    if csv_to == json_to == DASH:
+        raise click.UsageError("--csv and --json both go to standard output: give one of them a file")
+    check_targets([file], csv_to, json_to)
     from fbfcli.pipeline.settings import Settings
     from fbfcli.pipeline.simulate import FIRMWARE, Wanted
+    from fbfcli.verify.path_csv import PathCsv
 
     settings = Settings(
         tolerance=tolerance / UM_PER_MM,
@@ -139,7 +148,9 @@ def simulate(
         rate=float(rate),
         machine=None if plant is None else read_printer(find_file(plant)),
     )
-    simulation = _simulate(file, printer, settings, wanted, bool(methods or shapers), quiet)
+    with ExitStack() as files:
+        watchers = [PathCsv(files.enter_context(writing(csv_to)).write)] if csv_to else []
+        simulation = _simulate(file, printer, settings, wanted, bool(methods or shapers), watchers, quiet)
     if not quiet:
         click.echo(simulation.text(), err=True)
     if json_to:
@@ -147,7 +158,13 @@ def simulate(
 
 
 def _simulate(
-    file: str, printer: str | None, settings: Settings, wanted: Wanted, chosen: bool, quiet: bool
+    file: str,
+    printer: str | None,
+    settings: Settings,
+    wanted: Wanted,
+    chosen: bool,
+    watchers: list[Watcher],
+    quiet: bool,
 ) -> Simulation:
     """Read the file as often as needed, and simulate it."""
     from dataclasses import replace
@@ -177,4 +194,6 @@ def _simulate(
             return chunks(again())
 
         with fraction_bar(file, quiet) as bar:
-            return run(texts, machine, settings, wanted, lambda done: bar(done / max(size * wanted.passes, 1)))
+            return run(
+                texts, machine, settings, wanted, lambda done: bar(done / max(size * wanted.passes, 1)), watchers
+            )

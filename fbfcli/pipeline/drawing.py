@@ -48,6 +48,8 @@ class Drawing:
         self._passages = [Passages(plants_of(designs, condition, dt)) for condition in under]
         self._accounts = [Account(self.marks.features) for _ in under]
         self._motors = Motors(machine, dt, watch=self._carry)
+        for watcher in watchers:
+            watcher.begin(name, self.marks.features)
 
     def stretches(self, part: Stretches) -> None:
         """More of a compensated file."""
