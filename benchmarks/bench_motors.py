@@ -31,8 +31,8 @@ PAGE, COMMAND = ROOT / "docs" / "motors.md", "benchmarks/bench_motors.py --write
 METHODS = ("none", "contour")
 S_PER_HOUR = 3600.0
 HEAD = (
-    "| printer | method | motor | torque taken at most | rotor behind by | of the print integrated | CPU s an hour, all "
-    "motors | everything integrated: rotor behind by | CPU s an hour, all motors |",
+    "| printer | method | motor | torque taken at most | rotor behind by | of the print integrated | CPU s an hour, "
+    "all motors | everything integrated: rotor behind by | CPU s an hour, all motors |",
     "|---|---|---|---|---|---|---|---|---|",
 )
 
