@@ -43,6 +43,9 @@ class Keeping:
     def __init__(self) -> None:
         self.kept: list[Passage] = []
 
+    def begin(self, name: str, features: Sequence[str]) -> None:
+        pass
+
     def add(self, name: str, passage: Passage) -> None:
         self.kept.append(passage)
 
