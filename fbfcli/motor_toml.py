@@ -32,6 +32,7 @@ def motor(axis: Table, steps_per_mm: float) -> Motor:
                      f"mm_per_turn = {full_steps * microsteps / steps_per_mm:g} with these microsteps")  # fmt: skip
     rated = table.number("rated_current", below=20.0)
     torque = table.number("holding_torque", below=20.0)
+    run = table.number("run_current", rated, below=RATED * rated)
     return Motor(
         name=table.text("name", "not stated"),
         full_steps=int(full_steps),
@@ -41,10 +42,10 @@ def motor(axis: Table, steps_per_mm: float) -> Motor:
         inductance=table.number("inductance_mh", below=200.0) * HENRY_PER_MH,
         rotor_inertia=table.number("rotor_inertia_gcm2", below=10_000.0) * KG_M2_PER_G_CM2,
         supply_voltage=table.number("supply_voltage", below=200.0),
-        run_current=table.number("run_current", rated, below=RATED * rated),
+        run_current=run,
         microsteps=int(microsteps),
         mm_per_turn=mm_per_turn,
-        detent_torque=table.number("detent_torque", 0.0, above=-inf, least=0.0, below=0.5 * torque),
+        detent_torque=table.number("detent_torque", 0.0, above=-inf, least=0.0, below=0.5 * torque * run / rated),
         damping=table.number("damping", Motor.damping, above=-inf, least=0.0, below=1.0),
         interpolation=_yes(table, "interpolation"),
     )

@@ -103,8 +103,9 @@ class Simulation:
         if len(self.conditions) > 1:
             parts.append(self._mismatch())
         if motors := self.results[0].motors.motors:
-            head = ("torque at most", *(f"motor {motor.name}" for motor in motors), "lost steps")
+            head = ("torque at most, rotor behind by", *(f"motor {motor.name}" for motor in motors), "lost steps")
             parts.append(aligned([head, *((self._name(one), *_loads(one.motors)) for one in self.results)]))
+            rows += [(f"motors, {one.name}", one.motors.choice) for one in self.results if one.motors.integrated]
         else:
             rows.append(("motors", NO_MOTOR))
         return "\n\n".join([*parts, told(rows, self.warnings)])
@@ -154,9 +155,9 @@ class Simulation:
 
 
 def _loads(told: MotorsTold) -> list[str]:
-    """How hard each motor works, and the steps that all of them lose."""
+    """How hard each motor works, how far its rotor is behind, and the steps that all of them lose."""
     lost = sum(each.steps for each in told.lost)
-    return [*(f"{100 * motor.share:.0f} %" for motor in told.motors), f"{lost}"]
+    return [*(f"{100 * motor.share:.0f} %, {motor.angle_um:.0f} um" for motor in told.motors), f"{lost}"]
 
 
 def _lost(one: Simulated) -> list[str]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-SHOWN = 3  # losses of each motor that people are told of
-
 
 @dataclass(frozen=True)
 class Moment:
@@ -70,28 +68,18 @@ class MotorsTold:
     lost: tuple[LostSteps, ...]
     needed: float
 
-    def text(self) -> str:
-        """For people, one line."""
-        return "; ".join(
-            f"{one.name} {100 * one.share:.0f} % of its torque at most (line {one.share_at.line}), "
-            f"{one.angle_um:.0f} um behind"
-            + (f", {100 * one.integrated:.1g} % of the print integrated" if one.windows else "")
-            for one in self.motors
-        )
+    @property
+    def integrated(self) -> float:
+        """Share of the print that was integrated in full, of the motor that has most."""
+        return max((motor.integrated for motor in self.motors), default=0.0)
 
     @property
-    def warnings(self) -> tuple[str, ...]:
-        """Where steps are lost: the first losses of each motor, and how many more there are."""
-        found = []
-        for motor in self.motors:
-            lost = [one for one in self.lost if one.motor == motor.name]
-            found += [
-                f"motor {one.motor} loses {one.steps} full steps at line {one.line} ({one.time:.3f} s)"
-                for one in lost[:SHOWN]
-            ]
-            if len(lost) > SHOWN:
-                found.append(f"motor {motor.name} loses steps {len(lost) - SHOWN} times more")
-        return tuple(found)
+    def choice(self) -> str:
+        """What was integrated, for people."""
+        return (
+            f"rotors are integrated where they take more than {100 * self.needed:g} % of their torque: "
+            f"{100 * self.integrated:.2g} % of the time"
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""

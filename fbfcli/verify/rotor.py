@@ -24,6 +24,7 @@ from math import ceil, pi, sqrt
 import numpy as np
 
 from fbfcli.printer import Motor
+from fbfcli.verify.microsteps import quantised
 from fbfcli.verify.torque_speed import standstill_torque
 
 STRIDE = 0.25  # rad of the rotor's own oscillation in a step of Runge and Kutta: its frequency is met within 1e-5
@@ -142,7 +143,7 @@ def _one_sample(
     def bend(phi: np.ndarray, slope: np.ndarray, t: float) -> np.ndarray:
         if rippled:
             y = step + t * dstep
-            phi = phi + ripple * (np.rint(y) - y)
+            phi = phi + ripple * (quantised(y, 1.0) - y)
         return np.asarray(stiffness * (u + t * du - (g + t * dg) * np.sin(phi)) - drag * slope)
 
     n = max(1, ceil(rotor.w * dt / stride))

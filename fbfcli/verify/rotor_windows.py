@@ -6,7 +6,7 @@ import numpy as np
 
 from fbfcli.verify.rotor import Course, joined
 
-LEAD_S, TAIL_S = 0.03, 0.03  # s: the rotor starts at its equilibrium before, and may swing after
+LEAD_S, TAIL_S = 0.05, 0.03  # s: the rotor starts at its equilibrium before, and may swing after
 LONGEST_S = 4.0  # s: a longer window is cut, the rotor starting anew
 
 
