@@ -1,0 +1,157 @@
+"""The worst corners of a print in full resolution: where each method has its largest errors, and what others do there.
+
+Methods have clocks of their own: what another method does at the same place is found by line of the file, then by where
+the desired path is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from fbfcli.verify.passage import Passage
+
+HALF_S = 0.15  # before and after the largest error [s]
+APART_MM = 2.0  # corners nearer than this in plan view are one: of a tower's, the worst layer is shown
+MARGIN_MM = 0.02  # methods sample the same path at other points of it
+LONGEST = 4.0  # times its own window that another method may need for a corner
+
+
+@dataclass(frozen=True)
+class Window:
+    """Samples of a method one after the other, n of them, as they were.
+
+    time            : ndarray, shape (n,)          since the print began [s]
+    desired, nozzle : ndarray, shape (n, 2)        X Y [mm]
+    error           : ndarray, shape (n,)          of the nozzle from the desired path, + is left of it [mm]
+    drawn           : ndarray of bool, shape (n,)  they leave something on the part
+    line            : ndarray of int, shape (n,)   of the file, counted from 0
+    layer, feature  : ndarray of int, shape (n,)
+    """
+
+    time: np.ndarray
+    desired: np.ndarray
+    nozzle: np.ndarray
+    error: np.ndarray
+    drawn: np.ndarray
+    line: np.ndarray
+    layer: np.ndarray
+    feature: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __getitem__(self, rows: slice | np.ndarray) -> Window:
+        return Window(*(getattr(self, each.name)[rows] for each in fields(self)))
+
+    def then(self, more: Window) -> Window:
+        """This, and what came after it."""
+        return Window(*(np.concatenate([getattr(self, each.name), getattr(more, each.name)]) for each in fields(self)))
+
+
+@dataclass(frozen=True)
+class Corner:
+    """One of a method's largest errors.
+
+    method  : whose
+    error   : its size [mm]
+    at      : X Y of the desired path there [mm]
+    time    : since that method's print began [s]
+    line    : of the file, counted from 0
+    layer   : counted from 0
+    feature : index into the names of the file's features
+    windows : of each method that came by
+    """
+
+    method: str
+    error: float
+    at: tuple[float, float]
+    time: float
+    line: int
+    layer: int
+    feature: int
+    windows: dict[str, Window]
+
+
+class Corners:
+    """Collects up to `most` corners of each method."""
+
+    def __init__(self, most: int):
+        self._most = most
+        self._found: dict[str, list[Corner]] = {}
+        self._last: dict[str, Window] = {}  # the end of what came, whose windows reach into what comes
+
+    def add(self, name: str, passage: Passage, drawn: np.ndarray) -> None:
+        """More of a method; `drawn`, bool, (n,): the samples whose errors count."""
+        e = passage.execution
+        error = np.copysign(passage.contour, passage.across)
+        more = Window(e.time, e.desired, passage.nozzle, error, drawn, e.line, e.layer, e.feature)
+        for other, found in self._found.items():
+            if other != name:
+                self._found[other] = [_joined(corner, name, more) for corner in found]
+        half = max(1, round(HALF_S / e.dt))
+        known = self._last.get(name)
+        whole = more if known is None else known.then(more)
+        self._seek(name, whole, 0 if known is None else min(half, len(known)), len(whole) - half, half)
+        self._last[name] = whole[max(0, len(whole) - 2 * half) :]
+
+    def forget(self, name: str) -> None:
+        """What was found of a method so far is no part of the print."""
+        self._found.pop(name, None)
+
+    def finish(self, dt: float) -> None:
+        """The samples held back for windows that might have reached further."""
+        half = max(1, round(HALF_S / dt))
+        for name, last in self._last.items():
+            self._seek(name, last, min(half, len(last)), len(last), half)
+        self._last = {}
+
+    def corners(self) -> tuple[Corner, ...]:
+        """The largest error first, method by method in the order they came."""
+        return tuple(corner for found in self._found.values() for corner in found)
+
+    def _seek(self, name: str, samples: Window, first: int, last: int, half: int) -> None:
+        """Corners whose largest error is in samples[first:last]; windows reach beyond."""
+        found = self._found.setdefault(name, [])
+        if last <= first:
+            return
+        error = np.where(samples.drawn, np.abs(samples.error), 0.0)[first:last]
+        blocks = np.arange(0, len(error), half)
+        largest = np.maximum.reduceat(error, blocks)
+        for block in np.argsort(-largest, kind="stable").tolist():
+            if largest[block] <= (found[-1].error if len(found) >= self._most else 0.0):
+                break
+            i = first + int(blocks[block] + np.argmax(error[blocks[block] : blocks[block] + half]))
+            self._take(found, _corner(name, samples, i, half))
+
+    def _take(self, found: list[Corner], corner: Corner) -> None:
+        """Put it among those found, unless a worse one is near; those near it that are better go."""
+        near = [known for known in found if np.hypot(known.at[0] - corner.at[0], known.at[1] - corner.at[1]) < APART_MM]
+        if any(known.error >= corner.error for known in near):
+            return
+        found[:] = sorted([known for known in found if known not in near] + [corner], key=lambda one: -one.error)
+        del found[self._most :]
+
+
+def _corner(name: str, samples: Window, i: int, half: int) -> Corner:
+    x, y = samples.desired[i].tolist()
+    return Corner(
+        name, abs(float(samples.error[i])), (x, y), float(samples.time[i]), int(samples.line[i]), int(samples.layer[i]),
+        int(samples.feature[i]), {name: samples[max(0, i - half) : i + half + 1]},
+    )  # fmt: skip
+
+
+def _joined(corner: Corner, name: str, more: Window) -> Corner:
+    """The corner with those samples of another method that belong to it."""
+    own = corner.windows[corner.method]
+    if more.line[0] > own.line[-1] or more.line[-1] < own.line[0]:
+        return corner
+    low, high = own.desired.min(axis=0) - MARGIN_MM, own.desired.max(axis=0) + MARGIN_MM
+    here = (more.line >= own.line[0]) & (more.line <= own.line[-1])
+    here &= ((more.desired >= low) & (more.desired <= high)).all(axis=1)
+    if not here.any():
+        return corner
+    known = corner.windows.get(name)
+    window = more[np.flatnonzero(here)] if known is None else known.then(more[np.flatnonzero(here)])
+    return replace(corner, windows={**corner.windows, name: window[: int(LONGEST * len(own))]})
