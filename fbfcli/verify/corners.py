@@ -13,14 +13,15 @@ import numpy as np
 from fbfcli.verify.passage import Passage
 
 HALF_S = 0.15  # before and after the largest error [s]
+EVERY_S = 1e-3  # samples that are closer in time are thinned to about this
 APART_MM = 2.0  # corners nearer than this in plan view are one: of a tower's, the worst layer is shown
 MARGIN_MM = 0.02  # methods sample the same path at other points of it
-LONGEST = 4.0  # times its own window that another method may need for a corner
+LONGEST = 2.0  # times its own window that another method may need for a corner
 
 
 @dataclass(frozen=True)
 class Window:
-    """Samples of a method one after the other, n of them, as they were.
+    """Samples of a method in order, n of them, as they were.
 
     time            : ndarray, shape (n,)          since the print began [s]
     desired, nozzle : ndarray, shape (n, 2)        X Y [mm]
@@ -75,26 +76,31 @@ class Corner:
 
 
 class Corners:
-    """Collects up to `most` corners of each method."""
+    """Collects up to `most` corners of the first method, with what all others do there, and half as many of each other
+    one, with what the first does there.
+    """
 
     def __init__(self, most: int):
         self._most = most
         self._found: dict[str, list[Corner]] = {}
-        self._last: dict[str, Window] = {}  # the end of what came, whose windows reach into what comes
+        self._every = 1  # samples
+        self._recent: dict[str, Window] = {}  # what came last, and the end of what came before
 
     def add(self, name: str, passage: Passage, drawn: np.ndarray) -> None:
         """More of a method; `drawn`, bool, (n,): the samples whose errors count."""
         e = passage.execution
+        self._every = max(1, round(EVERY_S / e.dt))
         error = np.copysign(passage.contour, passage.across)
         more = Window(e.time, e.desired, passage.nozzle, error, drawn, e.line, e.layer, e.feature)
         for other, found in self._found.items():
-            if other != name:
-                self._found[other] = [_joined(corner, name, more) for corner in found]
+            if self._matters(name, other):
+                self._found[other] = [_joined(corner, name, more, self._every) for corner in found]
         half = max(1, round(HALF_S / e.dt))
-        known = self._last.get(name)
-        whole = more if known is None else known.then(more)
-        self._seek(name, whole, 0 if known is None else min(half, len(known)), len(whole) - half, half)
-        self._last[name] = whole[max(0, len(whole) - 2 * half) :]
+        known = self._recent.get(name)
+        before = 0 if known is None else min(2 * half, len(known))
+        whole = more if known is None else known[len(known) - before :].then(more)
+        self._seek(name, whole, max(0, before - half), len(whole) - half, half)  # later ones may reach into what comes
+        self._recent[name] = whole
 
     def forget(self, name: str) -> None:
         """What was found of a method so far is no part of the print."""
@@ -103,47 +109,58 @@ class Corners:
     def finish(self, dt: float) -> None:
         """The samples held back for windows that might have reached further."""
         half = max(1, round(HALF_S / dt))
-        for name, last in self._last.items():
-            self._seek(name, last, min(half, len(last)), len(last), half)
-        self._last = {}
+        for name, recent in self._recent.items():
+            self._seek(name, recent, max(0, len(recent) - half), len(recent), half)
+        self._recent = {}
 
     def corners(self) -> tuple[Corner, ...]:
         """The largest error first, method by method in the order they came."""
         return tuple(corner for found in self._found.values() for corner in found)
 
+    def _matters(self, name: str, at: str) -> bool:
+        """What a method does at the corners of another is kept."""
+        first = next(iter(self._found))
+        return name != at and first in (name, at)
+
     def _seek(self, name: str, samples: Window, first: int, last: int, half: int) -> None:
         """Corners whose largest error is in samples[first:last]; windows reach beyond."""
         found = self._found.setdefault(name, [])
+        most = self._most if name == next(iter(self._found)) else (self._most + 1) // 2
         if last <= first:
             return
         error = np.where(samples.drawn, np.abs(samples.error), 0.0)[first:last]
         blocks = np.arange(0, len(error), half)
         largest = np.maximum.reduceat(error, blocks)
         for block in np.argsort(-largest, kind="stable").tolist():
-            if largest[block] <= (found[-1].error if len(found) >= self._most else 0.0):
+            if largest[block] <= (found[-1].error if len(found) >= most else 0.0):
                 break
             i = first + int(blocks[block] + np.argmax(error[blocks[block] : blocks[block] + half]))
-            self._take(found, _corner(name, samples, i, half))
-
-    def _take(self, found: list[Corner], corner: Corner) -> None:
-        """Put it among those found, unless a worse one is near; those near it that are better go."""
-        near = [known for known in found if np.hypot(known.at[0] - corner.at[0], known.at[1] - corner.at[1]) < APART_MM]
-        if any(known.error >= corner.error for known in near):
-            return
-        found[:] = sorted([known for known in found if known not in near] + [corner], key=lambda one: -one.error)
-        del found[self._most :]
+            corner = _corner(name, samples, i, half, self._every)
+            for other, recent in self._recent.items():
+                corner = _joined(corner, other, recent, self._every) if self._matters(other, name) else corner
+            _take(found, corner, most)
 
 
-def _corner(name: str, samples: Window, i: int, half: int) -> Corner:
+def _take(found: list[Corner], corner: Corner, most: int) -> None:
+    """Put it among those found, unless a worse one is near; those near it that are better go."""
+    near = [np.hypot(known.at[0] - corner.at[0], known.at[1] - corner.at[1]) < APART_MM for known in found]
+    if any(known.error >= corner.error for known, is_near in zip(found, near, strict=True) if is_near):
+        return
+    apart = [known for known, is_near in zip(found, near, strict=True) if not is_near]
+    found[:] = sorted([*apart, corner], key=lambda one: -one.error)
+    del found[most:]
+
+
+def _corner(name: str, samples: Window, i: int, half: int, every: int) -> Corner:
     x, y = samples.desired[i].tolist()
     return Corner(
         name, abs(float(samples.error[i])), (x, y), float(samples.time[i]), int(samples.line[i]), int(samples.layer[i]),
-        int(samples.feature[i]), {name: samples[max(0, i - half) : i + half + 1]},
+        int(samples.feature[i]), {name: samples[i - min(i, half) // every * every : i + half + 1 : every]},
     )  # fmt: skip
 
 
-def _joined(corner: Corner, name: str, more: Window) -> Corner:
-    """The corner with those samples of another method that belong to it."""
+def _joined(corner: Corner, name: str, more: Window, every: int) -> Corner:
+    """The corner with those samples of another method that belong to it, each `every`-th of them."""
     own = corner.windows[corner.method]
     if more.line[0] > own.line[-1] or more.line[-1] < own.line[0]:
         return corner
@@ -152,6 +169,6 @@ def _joined(corner: Corner, name: str, more: Window) -> Corner:
     here &= ((more.desired >= low) & (more.desired <= high)).all(axis=1)
     if not here.any():
         return corner
-    known = corner.windows.get(name)
-    window = more[np.flatnonzero(here)] if known is None else known.then(more[np.flatnonzero(here)])
+    known, window = corner.windows.get(name), more[np.flatnonzero(here)[::every]]
+    window = window if known is None else known.then(window)
     return replace(corner, windows={**corner.windows, name: window[: int(LONGEST * len(own))]})

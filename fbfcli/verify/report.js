@@ -18,6 +18,11 @@
     return { x: Array.from(unpacked(packed.x, "i4"), v => v / 1000), y: Array.from(unpacked(packed.y, "i4"), v => v / 1000),
       error: unpacked(packed.error, "u2"), line: unpacked(packed.line, "i4"), fresh: new Set(unpacked(packed.new, "i4")) };
   }
+  D.corners.forEach(corner => Object.values(corner.windows).forEach(one => { // mm and um, from tenths of um
+    const fine = (packed, unit) => Array.from(unpacked(packed, "i4"), v => v / unit);
+    Object.assign(one, { along: fine(one.along, 1e4), error: fine(one.error, 10), desired: one.desired.map(each => fine(each, 1e4)),
+      nozzle: one.nozzle.map(each => fine(each, 1e4)) });
+  }));
   const asPath = (xy, error) => ({ x: xy[0], y: xy[1], error, line: null, fresh: new Set([0]) });
 
   // ---- what all plots share ----
@@ -140,20 +145,11 @@
   const long = Math.max(...Object.values(D.errors).map(one => one.begin.length ? one.begin[one.begin.length - 1] : 0)) > 180;
   const clock = begin => begin.map(t => long ? t / 60 : t), CLOCK = long ? "time [min]" : "time [s]";
 
-  function gaps(x, y, width) { // a break where nothing was seen for more than a step
-    const out = [[], []];
-    x.forEach((t, i) => {
-      if (i && t - x[i - 1] > 1.5 * width) { out[0].push(null); out[1].push(null); }
-      out[0].push(t); out[1].push(y[i]);
-    });
-    return out;
-  }
-
-  function shaded(name, envelope, curve, unit) {
+  function shaded(name, envelope, unit) {
     const x = clock(envelope.begin);
-    return [{ type: "scatter", mode: "lines", x, y: envelope.high[curve], name: name + ", largest", legendgroup: name, showlegend: false,
+    return [{ type: "scatter", mode: "lines", x, y: envelope.high, name: name + ", largest", legendgroup: name, showlegend: false,
       line: { width: 0.5, color: faded(colour(name), 0.35) }, fill: "tozeroy", fillcolor: faded(colour(name), 0.12), hovertemplate: `%{y:.1f} ${unit} at most<extra>${name}</extra>` },
-    { type: "scatter", mode: "lines", x, y: envelope.rms[curve], name, legendgroup: name, line: { width: 1.4, color: colour(name) },
+    { type: "scatter", mode: "lines", x, y: envelope.rms, name, legendgroup: name, line: { width: 1.4, color: colour(name) },
       hovertemplate: `%{y:.1f} ${unit} RMS<extra>${name}</extra>` }];
   }
 
@@ -162,7 +158,7 @@
   const ACROSS = { xaxis2: { overlaying: "x", range: [0, 1], visible: false, fixedrange: true } };
 
   function drawErrors() {
-    draw("errors", D.methods.flatMap(name => shaded(name, D.errors[name], 0, "µm")), layout(axis(CLOCK), axis("µm", { rangemode: "tozero" })));
+    draw("errors", D.methods.flatMap(name => shaded(name, D.errors[name], "µm")), layout(axis(CLOCK), axis("µm", { rangemode: "tozero" })));
   }
 
   function drawParts() {
@@ -194,9 +190,8 @@
   }
 
   function drawMoves() {
-    const largest = (one, i) => one.high[i].map((high, k) => Math.max(high, -one.low[i][k]));
     [["speed", 0, "mm/s", "velocity"], ["acceleration", 2, "mm/s²", "acceleration"]].forEach(([id, first, unit, kind]) => {
-      const traces = D.methods.flatMap(name => [0, 1].map(i => ({ type: "scatter", mode: "lines", x: clock(D.moves[name].begin), y: largest(D.moves[name], first + i),
+      const traces = D.methods.flatMap(name => [0, 1].map(i => ({ type: "scatter", mode: "lines", x: clock(D.moves[name].begin), y: D.moves[name].size[first + i],
         name: `${name}, ${"XY"[i]}`, line: { color: colour(name), width: 1.1, dash: i ? "dot" : "solid" }, hovertemplate: `%{y:.0f} ${unit}<extra>${name}, ${"XY"[i]}</extra>` })));
       const limits = D.ceilings[kind];
       const told = limits[0] === limits[1] ? flat(limits[0], "limit") : limits.flatMap((limit, i) => flat(limit, `limit of ${"XY"[i]}`));
@@ -206,9 +201,9 @@
 
   function drawLoads() {
     if (section("load", some(D.load))) draw("load", [...D.methods.filter(name => D.load[name]).flatMap(name => D.motors.map((motor, i) => ({ type: "scatter", mode: "lines",
-      x: clock(D.load[name].begin), y: D.load[name].high[i], name: `${name}, motor ${motor}`, line: { color: colour(name), width: 1.2, dash: ["solid", "dot", "dash"][i % 3] },
+      x: clock(D.load[name].begin), y: D.load[name].size[i], name: `${name}, motor ${motor}`, line: { color: colour(name), width: 1.2, dash: ["solid", "dot", "dash"][i % 3] },
       hovertemplate: `%{y:.0f} %<extra>${name}, motor ${motor}</extra>` }))), ...flat(100, "all it has")], layout(axis(CLOCK), axis("% of the torque", { rangemode: "tozero" }), ACROSS));
-    if (section("segments", some(D.segments))) draw("segments", [...D.methods.filter(name => D.segments[name]).flatMap(name => shaded(name, D.segments[name], 0, "segments/s")),
+    if (section("segments", some(D.segments))) draw("segments", [...D.methods.filter(name => D.segments[name]).flatMap(name => shaded(name, D.segments[name], "segments/s")),
       ...flat(D.ceilings.segments, "the firmware takes")], layout(axis(CLOCK), axis("segments per second", { rangemode: "tozero" }), ACROSS));
   }
 

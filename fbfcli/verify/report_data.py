@@ -1,6 +1,6 @@
 """The numbers of a report as its page reads them: short lists as they are, long ones as base64 of little-endian bytes.
 
-Positions of layers are whole um, errors um.
+Positions and errors of layers are whole um, those of corners tenths of them.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from fbfcli.verify.subject import BA, Subject
 from fbfcli.verify.traces import HIGHEST_HZ, Kept, Method
 
 LINES = 300  # of a plant's response
+FINE = 1e4  # steps in a mm that corners are told in
 LARGEST = 65_535  # um, that a sample's error is told with
 
 Json = dict[str, object]
@@ -37,9 +38,9 @@ def data(kept: Kept, subject: Subject) -> Json:
         "layers": [_layer(layer) for layer in kept.layers],
         "corners": [_corner(corner, subject.features) for corner in kept.corners],
         "errors": _each(kept, lambda method: _envelope(method.error, UM_PER_MM)),
-        "moves": _each(kept, lambda method: _envelope(method.moves)),
+        "moves": _each(kept, lambda method: _sizes(method.moves)),
         "segments": _each(kept, lambda method: _envelope(method.segments)),
-        "load": _each(kept, lambda method: _envelope(method.load, 100.0)),
+        "load": _each(kept, lambda method: _sizes(method.load, 100.0)),
         "motors": next((method.motors for method in kept.methods.values() if method.motors), ()),
         "asked": _each(kept, lambda method: [_measured(each) for each in method.asked]),
         "reached": _each(kept, lambda method: [_measured(each) for each in method.reached]),
@@ -98,10 +99,10 @@ def _corner(corner: Corner, features: tuple[str, ...]) -> Json:
 
 def _window(window: Window, at: tuple[float, float]) -> Json:
     return {
-        "along": _numbers(along(window, at), 3),
-        "desired": [_numbers(window.desired[:, axis], 4) for axis in range(2)],
-        "nozzle": [_numbers(window.nozzle[:, axis], 4) for axis in range(2)],
-        "error": _numbers(UM_PER_MM * window.error, 1),
+        "along": _packed(np.rint(FINE * along(window, at)), "<i4"),
+        "desired": [_packed(np.rint(FINE * window.desired[:, axis]), "<i4") for axis in range(2)],
+        "nozzle": [_packed(np.rint(FINE * window.nozzle[:, axis]), "<i4") for axis in range(2)],
+        "error": _packed(np.rint(FINE * window.error), "<i4"),
     }
 
 
@@ -112,17 +113,23 @@ def along(window: Window, at: tuple[float, float]) -> np.ndarray:
 
 
 def _envelope(envelope: Envelope | None, scale: float = 1.0) -> Json | None:
+    """Largest and RMS of a single curve that is never negative."""
     if envelope is None:
         return None
-    curves = range(envelope.rms.shape[1])
     return {
         "width": envelope.width,
-        "begin": _numbers(envelope.begin, 3),
-        **{
-            name: [_numbers(scale * x[:, i], 3) for i in curves]
-            for name, x in (("low", envelope.low), ("high", envelope.high), ("rms", envelope.rms))
-        },
+        "begin": _numbers(envelope.begin, 2),
+        "high": _numbers(scale * envelope.high[:, 0], 1),
+        "rms": _numbers(scale * envelope.rms[:, 0], 1),
     }
+
+
+def _sizes(envelope: Envelope | None, scale: float = 1.0) -> Json | None:
+    """Largest size of several curves."""
+    if envelope is None:
+        return None
+    sizes = scale * np.maximum(envelope.high, -envelope.low)
+    return {"begin": _numbers(envelope.begin, 2), "size": [_numbers(one, 1) for one in sizes.T]}
 
 
 def _measured(found: Frf | None) -> Json | None:

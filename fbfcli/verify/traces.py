@@ -15,8 +15,8 @@ from fbfcli.verify.execution import Execution
 from fbfcli.verify.layer_paths import Layer, LayerPaths, Thinning
 from fbfcli.verify.passage import Passage
 
-POINTS = 350_000  # of all paths: 7 MB of a page
-CORNERS = 12  # of each method
+POINTS = 250_000  # of all paths: 5 MB of a page
+CORNERS = 12  # of the first method, half as many of each other one
 WINDOW_S = 1.0  # of spectra
 HIGHEST_HZ = 200.0
 AVERAGES = 400.0  # windows after which a response is known well enough
@@ -60,7 +60,7 @@ class Traces:
     """Collects the passages of one or several methods, one after the other or by turns.
 
     points  : of all thinned paths together
-    corners : of each method that are kept in full resolution
+    corners : of the first method that are kept in full resolution, half as many of each other one
 
     Where a print has extruded nothing yet, every move draws: plotters and mills never extrude.
     """
