@@ -39,19 +39,19 @@ class Designs:
     def __init__(self, printer: Printer, method: str, settings: Settings):
         self.method, self._printer, self._settings = method, printer, settings
         self.box = box_of(printer)
-        self._varies = any(axis.at for axis in self._axes)
+        self.vary = any(axis.at for axis in self._axes)  # along the print
         self._options = dict(settings.options)
         self._numbers: dict[Shares, int] = {((), ()): 0}  # place 0 has the nominal models
         self._levels: list[list[Compensator]] = []
         self._plants: list[tuple[Plant, Plant]] = []
         self._means: dict[int, tuple[BA, BA]] = {}
-        if self._varies:
+        if self.vary:
             self._options |= self._shared()
         self._kg_per_mm = printer.filament_density * pi * (printer.filament_diameter / 2) ** 2
 
     def places(self, x: np.ndarray) -> np.ndarray:
         """Number of the place of each sample, shape (n,); x (n, 4) is X Y Z E [mm], E without resets."""
-        if not self._varies:
+        if not self.vary:
             return np.zeros(len(x), dtype=np.int64)
         here = x[::EVERY].copy()
         here[:, E] = np.maximum(here[:, E], 0.0) * self._kg_per_mm
@@ -75,6 +75,11 @@ class Designs:
             share_x, share_y = self._shares(len(self._plants))
             self._plants.append((self._plant(self._axes[0], share_x), self._plant(self._axes[1], share_y)))
         return self._plants[place]
+
+    def models(self, place: int) -> tuple[Model, Model]:
+        """Models of X and Y at a place."""
+        share_x, share_y = self._shares(place)
+        return self._model(self._axes[0], share_x), self._model(self._axes[1], share_y)
 
     def b_a(self, place: int) -> tuple[BA, BA]:
         """Their coefficients."""

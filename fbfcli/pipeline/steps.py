@@ -14,7 +14,7 @@ from fbfcli.pipeline.drive import Drive, MotorTold, motors_of
 from fbfcli.pipeline.filament import Filament
 from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.settings import Settings
-from fbfcli.pipeline.summary import clock
+from fbfcli.pipeline.summary import clock, told
 from fbfcli.pipeline.timeline import Event, Timeline
 from fbfcli.printer import Printer
 from fbfcli.steps.stream import Piece
@@ -52,8 +52,7 @@ class StepsSummary:
             for one in self.motors
         ]
         rows.append(("method", f"{self.method} ({self.why})" if self.why else self.method))
-        told = [f"{name + ':':15s}{value}" for name, value in rows]
-        return "\n".join([*told, *(f"warning: {warning}" for warning in self.warnings)])
+        return told(rows, self.warnings)
 
 
 class StepStream:
