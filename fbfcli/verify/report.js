@@ -9,7 +9,7 @@
   const FAR = [1.5, 8]; // mm shown around a corner, and at least 15 times its error
 
   // ---- numbers ----
-  const KINDS = { i4: Int32Array, u2: Uint16Array };
+  const KINDS = { i4: Int32Array, i2: Int16Array, u2: Uint16Array };
   function unpacked(text, kind) {
     const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
     return new KINDS[kind](bytes.buffer);
@@ -18,10 +18,11 @@
     return { x: Array.from(unpacked(packed.x, "i4"), v => v / 1000), y: Array.from(unpacked(packed.y, "i4"), v => v / 1000),
       error: unpacked(packed.error, "u2"), line: unpacked(packed.line, "i4"), fresh: new Set(unpacked(packed.new, "i4")) };
   }
-  D.corners.forEach(corner => Object.values(corner.windows).forEach(one => { // mm and um, from tenths of um
-    const fine = (packed, unit) => Array.from(unpacked(packed, "i4"), v => v / unit);
-    Object.assign(one, { along: fine(one.along, 1e4), error: fine(one.error, 10), desired: one.desired.map(each => fine(each, 1e4)),
-      nozzle: one.nozzle.map(each => fine(each, 1e4)) });
+  D.corners.forEach(corner => Object.values(corner.windows).forEach(one => { // mm and um, from whole um and tenths of them
+    const list = (packed, kind, unit) => Array.from(unpacked(packed, kind), v => v / unit);
+    const desired = one.desired.map(each => list(each, "i4", 1e4)), off = one.off.map(each => list(each, "i2", 1e3));
+    Object.assign(one, { along: list(one.along, "i4", 1e3), error: list(one.error, "i2", 10), desired,
+      nozzle: desired.map((each, axis) => each.map((v, i) => v + off[axis][i])) });
   }));
   const asPath = (xy, error) => ({ x: xy[0], y: xy[1], error, line: null, fresh: new Set([0]) });
 
@@ -121,7 +122,8 @@
     mark();
   }
 
-  const mark = () => document.querySelectorAll("#chips button").forEach((chip, i) => chip.classList.toggle("on", i === state.corner));
+  const chips = [];
+  const mark = () => chips.forEach((chip, i) => chip.classList.toggle("on", i === state.corner));
 
   function planControls() {
     const slider = by("layer"), choice = by("colour");
@@ -135,9 +137,17 @@
     D.methods.forEach(name => {
       const own = D.corners.map((corner, i) => [corner, i]).filter(([corner]) => corner.method === name);
       if (!own.length) return;
-      by("chips").append(Object.assign(document.createElement("span"), { textContent: `Worst of ${name} [µm]:` }));
-      own.forEach(([corner, i]) => by("chips").append(Object.assign(document.createElement("button"), { type: "button",
-        textContent: Math.round(corner.error), title: `layer ${corner.layer + 1}, line ${corner.line} ${corner.feature}`, onclick: () => jump(i) })));
+      const row = Object.assign(document.createElement("div"), { className: "chips" });
+      row.append(Object.assign(document.createElement("b"), { textContent: `Worst of ${name} [µm]` }));
+      for (const feature of new Set(own.map(([corner]) => corner.feature))) {
+        row.append(Object.assign(document.createElement("span"), { textContent: feature }));
+        own.filter(([corner]) => corner.feature === feature).forEach(([corner, i]) => {
+          chips[i] = Object.assign(document.createElement("button"), { type: "button", textContent: Math.round(corner.error),
+            title: `layer ${corner.layer + 1}, line ${corner.line}`, onclick: () => jump(i) });
+          row.append(chips[i]);
+        });
+      }
+      by("chips").append(row);
     });
   }
 

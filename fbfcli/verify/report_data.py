@@ -14,7 +14,7 @@ from scipy.signal import freqz
 from fbfcli.plant.frf import Frf, trusted
 from fbfcli.units import UM_PER_MM
 from fbfcli.verify import palette
-from fbfcli.verify.corners import Corner, Window
+from fbfcli.verify.close_ups import CloseUp, Window
 from fbfcli.verify.envelope import Envelope
 from fbfcli.verify.layer_paths import Layer, Path
 from fbfcli.verify.subject import BA, Subject
@@ -22,6 +22,7 @@ from fbfcli.verify.traces import HIGHEST_HZ, Kept, Method
 
 LINES = 300  # of a plant's response
 FINE = 1e4  # steps in a mm that corners are told in
+FARTHEST = 32_767  # of them, or um, that a nozzle is told to be away
 LARGEST = 65_535  # um, that a sample's error is told with
 
 Json = dict[str, object]
@@ -84,7 +85,7 @@ def _packed(x: np.ndarray, kind: str) -> str:
     return b64encode(x.astype(kind).tobytes()).decode()
 
 
-def _corner(corner: Corner, features: tuple[str, ...]) -> Json:
+def _corner(corner: CloseUp, features: tuple[str, ...]) -> Json:
     return {
         "method": corner.method,
         "error": round(UM_PER_MM * corner.error, 1),
@@ -98,11 +99,13 @@ def _corner(corner: Corner, features: tuple[str, ...]) -> Json:
 
 
 def _window(window: Window, at: tuple[float, float]) -> Json:
+    off = np.clip(np.rint(UM_PER_MM * (window.nozzle - window.desired)), -FARTHEST, FARTHEST)
+    error = np.clip(np.rint(FINE * window.error), -FARTHEST, FARTHEST)
     return {
-        "along": _packed(np.rint(FINE * along(window, at)), "<i4"),
-        "desired": [_packed(np.rint(FINE * window.desired[:, axis]), "<i4") for axis in range(2)],
-        "nozzle": [_packed(np.rint(FINE * window.nozzle[:, axis]), "<i4") for axis in range(2)],
-        "error": _packed(np.rint(FINE * window.error), "<i4"),
+        "along": _packed(np.rint(UM_PER_MM * along(window, at)), "<i4"),
+        "desired": [_packed(np.rint(FINE * column), "<i4") for column in window.desired.T],
+        "off": [_packed(column, "<i2") for column in off.T],
+        "error": _packed(error, "<i2"),
     }
 
 

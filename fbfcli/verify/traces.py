@@ -9,14 +9,14 @@ import numpy as np
 
 from fbfcli.plant.frf import Frf, frf
 from fbfcli.plant.spectra import Spectra, together, welch
-from fbfcli.verify.corners import Corner, Corners
+from fbfcli.verify.close_ups import CloseUp, CloseUps
 from fbfcli.verify.envelope import Envelope, Enveloped
 from fbfcli.verify.execution import Execution
 from fbfcli.verify.layer_paths import Layer, LayerPaths, Thinning
 from fbfcli.verify.passage import Passage
 
-POINTS = 250_000  # of all paths: 5 MB of a page
-CORNERS = 12  # of the first method, half as many of each other one
+POINTS = 220_000  # of all paths: 4 MB of a page
+CORNERS = 16  # of the first method, half as many of each other one
 WINDOW_S = 1.0  # of spectra
 HIGHEST_HZ = 200.0
 AVERAGES = 400.0  # windows after which a response is known well enough
@@ -52,7 +52,7 @@ class Kept:
 
     methods: dict[str, Method]
     layers: tuple[Layer, ...]
-    corners: tuple[Corner, ...]
+    corners: tuple[CloseUp, ...]
     thinning: Thinning
 
 
@@ -66,7 +66,7 @@ class Traces:
     """
 
     def __init__(self, points: int = POINTS, corners: int = CORNERS):
-        self._paths, self._corners = LayerPaths(points), Corners(corners)
+        self._paths, self._corners = LayerPaths(points), CloseUps(corners)
         self._curves: dict[str, _Curves] = {}
         self._extrudes: set[str] = set()
         self._dt = 0.0

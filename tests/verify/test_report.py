@@ -13,7 +13,7 @@ from trace_cases import LAYER, pieces, square
 
 from fbfcli.plant.model import plant_of
 from fbfcli.printer import ModalModel, Mode
-from fbfcli.verify.corners import Window
+from fbfcli.verify.close_ups import Window
 from fbfcli.verify.envelope import STEPS, Envelope
 from fbfcli.verify.report import html
 from fbfcli.verify.subject import Card, Ceilings, Sheet, Spans, Subject

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from trace_cases import DT, LAYER, SIDE, SPEED, pieces, square
 
-from fbfcli.verify.corners import APART_MM
+from fbfcli.verify.close_ups import APART_MM
 from fbfcli.verify.traces import Kept, Traces
 
 CUTS = st.lists(st.integers(1, 4 * LAYER), max_size=4)

@@ -52,7 +52,7 @@ class Window:
 
 
 @dataclass(frozen=True)
-class Corner:
+class CloseUp:
     """One of a method's largest errors.
 
     method  : whose
@@ -75,14 +75,14 @@ class Corner:
     windows: dict[str, Window]
 
 
-class Corners:
+class CloseUps:
     """Collects up to `most` corners of the first method, with what all others do there, and half as many of each other
-    one, with what the first does there.
+    one, with what the first does there: the worst ones of everything that is printed, walls, infill, ...
     """
 
     def __init__(self, most: int):
         self._most = most
-        self._found: dict[str, list[Corner]] = {}
+        self._found: dict[str, dict[int, list[CloseUp]]] = {}  # of each method, by feature
         self._every = 1  # samples
         self._recent: dict[str, Window] = {}  # what came last, and the end of what came before
 
@@ -94,7 +94,8 @@ class Corners:
         more = Window(e.time, e.desired, passage.nozzle, error, drawn, e.line, e.layer, e.feature)
         for other, found in self._found.items():
             if self._matters(name, other):
-                self._found[other] = [_joined(corner, name, more, self._every) for corner in found]
+                for feature, corners in found.items():
+                    found[feature] = [_joined(corner, name, more, self._every) for corner in corners]
         half = max(1, round(HALF_S / e.dt))
         known = self._recent.get(name)
         before = 0 if known is None else min(2 * half, len(known))
@@ -113,9 +114,17 @@ class Corners:
             self._seek(name, recent, max(0, len(recent) - half), len(recent), half)
         self._recent = {}
 
-    def corners(self) -> tuple[Corner, ...]:
-        """The largest error first, method by method in the order they came."""
-        return tuple(corner for found in self._found.values() for corner in found)
+    def corners(self) -> tuple[CloseUp, ...]:
+        """Method by method in the order they came, the largest error first."""
+        return tuple(
+            corner
+            for name, found in self._found.items()
+            for corner in sorted(_shared(list(found.values()), self._share(name)), key=lambda one: -one.error)
+        )
+
+    def _share(self, name: str) -> int:
+        """Corners of a method that are kept."""
+        return self._most if name == next(iter(self._found)) else (self._most + 1) // 2
 
     def _matters(self, name: str, at: str) -> bool:
         """What a method does at the corners of another is kept."""
@@ -123,12 +132,20 @@ class Corners:
         return name != at and first in (name, at)
 
     def _seek(self, name: str, samples: Window, first: int, last: int, half: int) -> None:
-        """Corners whose largest error is in samples[first:last]; windows reach beyond."""
-        found = self._found.setdefault(name, [])
-        most = self._most if name == next(iter(self._found)) else (self._most + 1) // 2
+        """CloseUps whose largest error is in samples[first:last]; windows reach beyond."""
+        found, most = self._found.setdefault(name, {}), (self._share(name) + 1) // 2  # of one feature
         if last <= first:
             return
         error = np.where(samples.drawn, np.abs(samples.error), 0.0)[first:last]
+        feature = samples.feature[first:last]
+        for one in np.unique(feature[error > 0.0]).tolist():
+            of_it = np.where(feature == one, error, 0.0)
+            self._seek_in(found.setdefault(one, []), name, samples, first, of_it, half, most)
+
+    def _seek_in(
+        self, found: list[CloseUp], name: str, samples: Window, first: int, error: np.ndarray, half: int, most: int
+    ) -> None:
+        """Those of one feature: `error`, shape (n,), is 0 elsewhere."""
         blocks = np.arange(0, len(error), half)
         largest = np.maximum.reduceat(error, blocks)
         for block in np.argsort(-largest, kind="stable").tolist():
@@ -141,7 +158,13 @@ class Corners:
             _take(found, corner, most)
 
 
-def _take(found: list[Corner], corner: Corner, most: int) -> None:
+def _shared(found: list[list[CloseUp]], most: int) -> list[CloseUp]:
+    """The worst of each, then the second of each, ..., until there are `most`."""
+    turns = sorted((rank, -corner.error, i) for i, each in enumerate(found) for rank, corner in enumerate(each))
+    return [found[i][rank] for rank, _, i in turns[:most]]
+
+
+def _take(found: list[CloseUp], corner: CloseUp, most: int) -> None:
     """Put it among those found, unless a worse one is near; those near it that are better go."""
     near = [np.hypot(known.at[0] - corner.at[0], known.at[1] - corner.at[1]) < APART_MM for known in found]
     if any(known.error >= corner.error for known, is_near in zip(found, near, strict=True) if is_near):
@@ -151,15 +174,15 @@ def _take(found: list[Corner], corner: Corner, most: int) -> None:
     del found[most:]
 
 
-def _corner(name: str, samples: Window, i: int, half: int, every: int) -> Corner:
+def _corner(name: str, samples: Window, i: int, half: int, every: int) -> CloseUp:
     x, y = samples.desired[i].tolist()
-    return Corner(
+    return CloseUp(
         name, abs(float(samples.error[i])), (x, y), float(samples.time[i]), int(samples.line[i]), int(samples.layer[i]),
         int(samples.feature[i]), {name: samples[i - min(i, half) // every * every : i + half + 1 : every]},
     )  # fmt: skip
 
 
-def _joined(corner: Corner, name: str, more: Window, every: int) -> Corner:
+def _joined(corner: CloseUp, name: str, more: Window, every: int) -> CloseUp:
     """The corner with those samples of another method that belong to it, each `every`-th of them."""
     own = corner.windows[corner.method]
     if more.line[0] > own.line[-1] or more.line[-1] < own.line[0]:
