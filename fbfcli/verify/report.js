@@ -29,7 +29,7 @@
   // ---- what all plots share ----
   const axis = (title, more) => Object.assign({ title: { text: title, standoff: 8 }, gridcolor: P.grid, zeroline: false,
     linecolor: "#b8c0c8", ticks: "outside", tickcolor: "#b8c0c8", automargin: true }, more);
-  const layout = (x, y, more) => Object.assign({ margin: { l: 60, r: 16, t: 10, b: 44 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
+  const layout = (x, y, more) => Object.assign({ margin: { l: 60, r: 40, t: 10, b: 44 }, modebar: { orientation: "v", bgcolor: "rgba(255,255,255,0)" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
     font: { family: "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', 'DejaVu Sans', sans-serif", size: 13, color: P.ink },
     legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", bgcolor: "rgba(255,255,255,0.8)" }, hovermode: "closest", xaxis: x, yaxis: y }, more);
   const faded = (hex, alpha) => `rgba(${[1, 3, 5].map(i => parseInt(hex.slice(i, i + 2), 16)).join()},${alpha})`;
@@ -183,6 +183,22 @@
     }
   }
 
+  function drawFaces() {
+    if (!section("faces", D.faces.length)) return;
+    D.faces.forEach((face, k) => {
+      const names = Object.keys(face.off), steepest = Math.max(20, ...names.flatMap(name => face.slope[name].map(Math.abs)));
+      const plot = Object.assign(document.createElement("div"), { id: "face-" + k, className: "plot" });
+      plot.style.height = `${290 + 34 * names.length}px`;
+      by("faces").append(plot);
+      const share = 34 * names.length / (230 + 34 * names.length);
+      draw(plot.id, names.flatMap((name, i) => [
+        { type: "scatter", mode: "lines", x: face.along[name], y: face.off[name], name, line: { color: colour(name), width: 1.8 }, hovertemplate: "%{x:.1f} mm: %{y:.0f} µm<extra>" + name + "</extra>" },
+        { type: "heatmap", x: face.along[name], y: [i], z: [face.slope[name]], yaxis: "y2", zmin: -steepest, zmax: steepest, colorscale: "Greys", showscale: false, hoverinfo: "skip" }]),
+      layout(axis(`along the wall [mm]: ${face.name}`, { anchor: "y2" }), axis("off the path [µm]", { domain: [share + 0.03, 1] }),
+        { yaxis2: { domain: [0, share], tickvals: names.map((_, i) => i), ticktext: names, autorange: "reversed", automargin: true, fixedrange: true } }));
+    });
+  }
+
   function drawBode() {
     if (!section("bode", D.plants.length || some(D.asked))) return;
     ["x", "y"].forEach((id, i) => {
@@ -222,6 +238,7 @@
   drawCorner();
   if (D.corners.length) mark();
   drawErrors();
+  drawFaces();
   drawParts();
   drawBode();
   drawMoves();

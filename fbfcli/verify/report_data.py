@@ -17,7 +17,7 @@ from fbfcli.verify import palette
 from fbfcli.verify.close_ups import CloseUp, Window
 from fbfcli.verify.envelope import Envelope
 from fbfcli.verify.layer_paths import Layer, Path
-from fbfcli.verify.subject import BA, Subject
+from fbfcli.verify.subject import BA, Face, Subject
 from fbfcli.verify.traces import HIGHEST_HZ, Kept, Method
 
 LINES = 300  # of a plant's response
@@ -54,6 +54,7 @@ def data(kept: Kept, subject: Subject) -> Json:
         "byFeature": {name: {"rms": _numbers(one.rms, 1), "largest": _numbers(one.largest, 1)}
                       for name, one in (subject.by_feature or {}).items()},
         "features": subject.features,
+        "faces": [_face(face) for face in subject.faces],
     }  # fmt: skip
 
 
@@ -113,6 +114,16 @@ def along(window: Window, at: tuple[float, float]) -> np.ndarray:
     """Place of each sample along the desired path, counted from a point of it, shape (n,) [mm]."""
     travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(window.desired, axis=0).T))])
     return travelled - travelled[np.argmin(np.hypot(*(window.desired - np.array(at)).T))]
+
+
+def _face(face: Face) -> Json:
+    """Profiles, and the slopes that light from the side shows as bright and dark [um/mm]."""
+    return {
+        "name": face.name,
+        "along": {name: _numbers(along, 2) for name, along in face.along.items()},
+        "off": {name: _numbers(off, 1) for name, off in face.off.items()},
+        "slope": {name: _numbers(np.gradient(off, face.along[name]), 1) for name, off in face.off.items()},
+    }
 
 
 def _envelope(envelope: Envelope | None, scale: float = 1.0) -> Json | None:

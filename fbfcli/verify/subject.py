@@ -40,6 +40,19 @@ class Spans:
 
 
 @dataclass(frozen=True)
+class Face:
+    """A straight wall of the part, from its beginning.
+
+    name        : where it is, for people
+    along, off  : of each method, ndarrays of equal length: place [mm], and how far the nozzle was beside the path [um]
+    """
+
+    name: str
+    along: dict[str, np.ndarray]
+    off: dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
 class Ceilings:
     """What the machine stands, X and Y; inf where nobody has said."""
 
@@ -58,6 +71,7 @@ class Subject:
     sheets      : tables, the first of them beside the cards
     by_layer    : of each method, by number of the layer
     by_feature  : of each method, one for each of `features`
+    faces       : walls that are shown as people see them
     features    : names of what is printed: walls, infill, ...
     plants      : (b, a) of X and Y, coefficients of z^-1 at period `dt` [s]; None: the pictures leave them out
     ceilings    : limits
@@ -71,6 +85,7 @@ class Subject:
     sheets: tuple[Sheet, ...] = ()
     by_layer: dict[str, Spans] | None = None
     by_feature: dict[str, Spans] | None = None
+    faces: tuple[Face, ...] = ()
     features: tuple[str, ...] = ()
     plants: tuple[BA, BA] | None = None
     dt: float = 1e-3
