@@ -17,8 +17,9 @@ from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.scribe import Patch, Scribe
 from fbfcli.pipeline.segmenter import Segmenter
 from fbfcli.pipeline.settings import Settings
-from fbfcli.pipeline.summary import BUSY, Errors, Summary
+from fbfcli.pipeline.summary import BUSY, Summary
 from fbfcli.printer import Printer
+from fbfcli.verify.contour_error import Errors
 from fbfcli.verify.tally import Stretches, Tally
 
 FEW_MOVES, FEW = 10, 0.01  # moves left alone that are not worth a warning: the first ones of every print

@@ -7,7 +7,7 @@ places are told apart in SHARES steps from one model to the next: 0.6 % of a fre
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
+from math import inf, pi
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from fbfcli.errors import ProfileError
 from fbfcli.motion.moves import E
 from fbfcli.pipeline.choice import FAMILY_METHODS, uncertainty_of
 from fbfcli.pipeline.settings import Settings
-from fbfcli.plant.model import Plant, cut, impulse_response, modes, plant_of
+from fbfcli.plant.model import Plant, Vibration, cut, impulse_response, modes, plant_of
 from fbfcli.plant.places import between, shares
 from fbfcli.plant.uncertainty import Members, members
 from fbfcli.printer import Axis, Model, Printer
@@ -111,11 +111,17 @@ class Designs:
         h = impulse_response(plant)
         if self._settings.fir is not None:
             h = cut(h, self._settings.fir)
-        known = exactly(plant.b, plant.a, h, modes(plant))
+        known = exactly(plant.b, plant.a, h, self._shaped(axis) + modes(plant))
         if self.method not in FAMILY_METHODS:
             return known
         family = self._family(axis, share)
         return replace(known, family=tuple(map(impulse_response, family.plants)), weights=family.weights)
+
+    def _shaped(self, axis: Axis) -> tuple[Vibration, ...]:
+        """What the settings say that a shaper of the axis is made for."""
+        if self._settings.shaped is None:
+            return ()
+        return (Vibration(*self._settings.shaped[self._axes.index(axis)], inf),)
 
     def _mean(self, axis: Axis, share: tuple[float, ...]) -> BA:
         if self.method not in FAMILY_METHODS:

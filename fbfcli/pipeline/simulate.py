@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from fbfcli.gcode.marks import Marks
+from fbfcli.control.shapers import MAX_DAMPING, impulses
+from fbfcli.errors import ModelError
 from fbfcli.pipeline.compensate import check_ceilings, compensate
 from fbfcli.pipeline.designs import Designs
-from fbfcli.pipeline.executions import Executions
-from fbfcli.pipeline.machine import Condition, conditions, plants_of
+from fbfcli.pipeline.drawing import Drawing
+from fbfcli.pipeline.machine import Condition, conditions
 from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.settings import AUTO, Settings
 from fbfcli.pipeline.simulation import Simulated, Simulation
 from fbfcli.pipeline.timeline import Timeline
+from fbfcli.pipeline.watcher import Watcher
 from fbfcli.printer import Printer
-from fbfcli.verify.account import Account, Accounted
-from fbfcli.verify.execution import Execution
-from fbfcli.verify.passage import Passage
-from fbfcli.verify.passages import Passages
+from fbfcli.verify.input_shaping import InputShaping
+from fbfcli.verify.shaper_tuning import MadeFor, best, klippers
 
 AS_WRITTEN = "none"  # the method that changes nothing: the firmware's own plan
+FIRMWARE = "firmware "  # before the name of a shaper that the firmware itself applies
 RATE_HZ = 1000.0
 
 
@@ -28,7 +29,7 @@ RATE_HZ = 1000.0
 class Wanted:
     """What is to be simulated.
 
-    methods       : names of control.design.METHODS, or AUTO
+    methods       : names of control.design.METHODS, AUTO, or FIRMWARE and one of Klipper's shapers
     accelerations : to plan with, each in turn [mm/s^2]; None: the settings'
     mismatch      : the machine's frequencies are off by this part too, and its dampings; None: it is as modelled
     rate          : samples a second, a multiple of the trajectory's
@@ -53,97 +54,117 @@ def simulate(
     settings: Settings,
     wanted: Wanted,
     progress: Callable[[int], None] = lambda done: None,
-    watch: Callable[[str, Passage], None] = lambda name, passage: None,
+    watchers: Sequence[Watcher] = (),
 ) -> Simulation:
     """Execute a file by every method, and drive the machine with it.
 
     open_text : gives the file's text, whole lines, as often as it is asked
     progress  : told how many bytes have been read, of all passes
-    watch     : told what the machine draws as modelled, method after method
+    watchers  : see the passes with the first of the accelerations
 
     Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
     """
     machine = wanted.machine or printer
     under = conditions(wanted.mismatch)
-    results, read = [], 0
+    results, reading = [], _Reading(open_text, progress)
     for acceleration in wanted.accelerations:
         how = settings if acceleration is None else replace(settings, acceleration=acceleration)
         check_ceilings(printer, how)
         for method in wanted.methods:
-            drawn = _Drawn(machine, under, wanted.rate, lambda passage, name=method: watch(name, passage))  # type: ignore[misc]
-            before = read
-
-            def passed(done: int, before: int = before) -> None:
-                nonlocal read
-                read = before + done
-                progress(read)
-
-            one = _as_written if method == AS_WRITTEN else _compensated
-            results.append(one(open_text(), printer, replace(how, method=method), drawn, passed))
-    return Simulation(printer.name, machine.name, wanted.rate, under, tuple(results), ())
+            seeing = watchers if acceleration == wanted.accelerations[0] else ()
+            results.append(_Pass(method, printer, machine, under, how, 1.0 / wanted.rate, seeing).run(reading))
+    return Simulation(printer.name, machine.name, wanted.rate, under, tuple(results))
 
 
-class _Drawn:
-    """One print as the machine draws it, under every condition."""
+class _Reading:
+    """A file read again and again: how many bytes in all."""
+
+    def __init__(self, open_text: Callable[[], Iterable[bytes]], progress: Callable[[int], None]):
+        self._open, self._progress = open_text, progress
+        self._read = 0
+
+    def __iter__(self) -> Iterator[bytes]:
+        for text in self._open():
+            yield text
+            self._read += len(text)
+            self._progress(self._read)
+
+
+class _Pass:
+    """One pass over the file: one method, at one acceleration."""
 
     def __init__(
-        self, machine: Printer, under: tuple[Condition, ...], rate: float, watch: Callable[[Passage], None]
+        self,
+        name: str,
+        printer: Printer,
+        machine: Printer,
+        under: Sequence[Condition],
+        settings: Settings,
+        dt: float,
+        watchers: Sequence[Watcher],
     ):
-        self.dt = 1.0 / rate
-        designs = Designs(machine, AS_WRITTEN, Settings(dt=self.dt))
-        self.marks = Marks()
-        self.executions = Executions(self.marks, designs, self.dt)
-        self._passages = [Passages(plants_of(designs, condition, self.dt)) for condition in under]
-        self._accounts = [Account() for _ in under]
-        self._watch = watch
+        self._name, self._printer, self._settings, self._dt = name, printer, settings, dt
+        shaper = name.removeprefix(FIRMWARE)
+        self._in_firmware = shaper != name
+        self._made_for: tuple[MadeFor, ...] = ()
+        if shaper in MAX_DAMPING:
+            self._made_for = _made_for(printer, shaper, settings, klippers if self._in_firmware else best)
+        shaping = None
+        if self._in_firmware:
+            shaping = InputShaping([impulses(shaper, one.frequency, one.damping) for one in self._made_for], dt)
+        self._drawing = Drawing(name, machine, under, dt, watchers, shaping)
 
-    def add(self, execution: Execution) -> None:
-        """Draw more of it."""
-        for i, passages in enumerate(self._passages):
-            self._count(i, passages.add(execution))
+    def run(self, text: Iterable[bytes]) -> Simulated:
+        """Everything of it."""
+        chunks = self._drawing.marks.passing(text)
+        if self._in_firmware or self._name == AS_WRITTEN:
+            return self._as_written(chunks)
+        return self._compensated(chunks)
 
-    def figures(self) -> tuple[Accounted, ...]:
-        """Of each condition; no more will come."""
-        for i, passages in enumerate(self._passages):
-            self._count(i, passages.finish())
-        return tuple(account.figures() for account in self._accounts)
+    def _as_written(self, chunks: Iterable[bytes]) -> Simulated:
+        """The firmware executes the file as it is."""
+        settings = replace(self._settings, method=AS_WRITTEN)
+        reader, timeline = Reader(self._printer, settings, as_written=True), Timeline(self._dt)
+        for portion in reader.portions(chunks, lambda read: None):
+            track, _ = timeline.part(portion.part, portion.inside, None, portion.lines)
+            self._drawing.track(track)
+        return self._told(AS_WRITTEN, "", timeline.time, tuple(reader.warnings))
 
-    def _count(self, i: int, passage: Passage | None) -> None:
-        if passage is not None:
-            self._accounts[i].add(passage)
-            if i == 0:
-                self._watch(passage)
+    def _compensated(self, chunks: Iterable[bytes]) -> Simulated:
+        """The firmware executes what a method makes of the file."""
+        settings = replace(self._settings, method=self._name)
+        if self._made_for:
+            x, y = ((one.frequency, one.damping) for one in self._made_for)
+            settings = replace(settings, shaped=(x, y))
+        done = compensate(
+            chunks, self._printer, settings, lambda text: None, lambda read: None, self._drawing.stretches
+        )
+        told = done.summary
+        return replace(self._told(told.method, told.why, told.time, told.warnings), compensated=told)
+
+    def _told(self, method: str, why: str, time: float, warnings: tuple[str, ...]) -> Simulated:
+        figures, motors = self._drawing.finish()
+        return Simulated(
+            name=self._name,
+            method=method,
+            why=why,
+            made_for=self._made_for,
+            acceleration=self._settings.acceleration,
+            time=time,
+            figures=figures,
+            motors=motors,
+            compensated=None,
+            warnings=warnings,
+        )
 
 
-def _as_written(
-    chunks: Iterable[bytes], printer: Printer, settings: Settings, drawn: _Drawn, progress: Callable[[int], None]
-) -> Simulated:
-    """The firmware executes the file as it is."""
-    reader, timeline = Reader(printer, settings, as_written=True), Timeline(drawn.dt)
-    for portion in reader.portions(drawn.marks.passing(chunks), progress):
-        track, _ = timeline.part(portion.part, portion.inside, None, portion.lines)
-        if len(track):
-            drawn.add(drawn.executions.of_track(track))
-    figures = drawn.figures()
-    return Simulated(
-        AS_WRITTEN, AS_WRITTEN, "", settings.acceleration, timeline.time, figures, None, tuple(reader.warnings)
-    )
-
-
-def _compensated(
-    chunks: Iterable[bytes], printer: Printer, settings: Settings, drawn: _Drawn, progress: Callable[[int], None]
-) -> Simulated:
-    """The firmware executes what a method makes of the file."""
-    done = compensate(
-        drawn.marks.passing(chunks),
-        printer,
-        settings,
-        lambda text: None,
-        progress,
-        lambda part: drawn.add(drawn.executions.of_stretches(part)),
-    )
-    told = done.summary
-    figures = drawn.figures()
-    return Simulated(
-        settings.method, told.method, told.why, settings.acceleration, told.time, figures, told, told.warnings
-    )
+def _made_for(
+    printer: Printer, shaper: str, settings: Settings, choose: Callable[..., MadeFor | None]
+) -> tuple[MadeFor, ...]:
+    """What a shaper is made for on X and Y. Raises ModelError where it cannot be."""
+    plants = Designs(printer, AS_WRITTEN, Settings(dt=settings.dt)).plants(0)
+    found = [choose(shaper, plant) for plant in plants]
+    made = tuple(one for one in found if one is not None)
+    if len(made) < len(found):
+        raise ModelError(f"a shaper ({shaper}) needs an oscillating mode and a model has none; leave it out")
+    return made

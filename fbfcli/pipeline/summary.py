@@ -5,16 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
+from fbfcli.verify.contour_error import Errors
+
 BUSY = 1.25  # seconds may be this much fuller than the firmware's rate before they are told of
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Errors of positions [um]."""
-
-    rms: float
-    p99: float
-    max: float
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,8 @@ The nearest point is searched in time around the sample itself, first coarsely, 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 PERIOD = 1e-3  # s between the points of a path that the search is made for; paths sampled finer are searched in strides
@@ -90,6 +92,15 @@ def _to_segment(
     t = np.clip((rx * sx + ry * sy) / np.maximum(length, 1e-30), 0.0, 1.0)
     dx, dy = rx - t * sx, ry - t * sy
     return dx * dx + dy * dy
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of positions [um]."""
+
+    rms: float
+    p99: float
+    max: float
 
 
 class ErrorTally:

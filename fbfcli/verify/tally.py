@@ -59,9 +59,7 @@ class Stretches:
 
     def positions(self, columns: slice = slice(2)) -> np.ndarray:
         """What the planner model executes, on the samples, shape (n, k): X and Y, or these of X Y Z E."""
-        t0 = self._starts(self.executed.duration)
-        if self.begun:
-            t0[: self._counts[0]] += self.late
+        t0 = self.starts()
         start, delta = self.start[:, columns], self.delta[:, columns]
         x, _ = sample(start, delta, self.distance, self.executed, t0, len(self.desired), self.dt)
         new = slice(1 if self.begun else 0, None)
@@ -91,23 +89,30 @@ class Stretches:
             place=None if self.place is None else self.place[old],
         )
 
+    def starts(self) -> np.ndarray:
+        """When each segment begins as it is executed, from sample 0 on, shape (k,) [s]."""
+        t0 = self._starting(self.executed.duration)
+        if self.begun:
+            t0[: self.counts[0]] += self.late
+        return t0
+
     def polyline(self) -> np.ndarray:
         """X and Y that the written segments stand for: each at constant speed, in its wanted time, shape (n, 2)."""
-        start, last = self.start[:, :2], np.cumsum(self._counts) - 1
-        node = np.rint(self._starts(self.wanted) / self.dt).astype(np.int64)
+        start, last = self.start[:, :2], np.cumsum(self.counts) - 1
+        node = np.rint(self._starting(self.wanted) / self.dt).astype(np.int64)
         hats = Polyline(np.insert(node, last + 1, self.end), np.zeros(len(node) + len(last), dtype=bool))
         values = np.insert(start, last + 1, start[last] + self.delta[last, :2], axis=0)
         return np.column_stack([hats.curve(values[:, axis]) for axis in range(2)])
 
     @property
-    def _counts(self) -> np.ndarray:
+    def counts(self) -> np.ndarray:
         """Segments of each stretch."""
         return np.diff(np.append(self.first, len(self.distance)))
 
-    def _starts(self, duration: np.ndarray) -> np.ndarray:
+    def _starting(self, duration: np.ndarray) -> np.ndarray:
         """When each segment begins if each stretch does so on time, shape (k,) [s]."""
         elapsed = np.cumsum(duration) - duration
-        return elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], self._counts)
+        return elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], self.counts)
 
 
 class Tally:
