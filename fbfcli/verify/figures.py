@@ -33,7 +33,7 @@ STYLE: Any = {
 def worst_seen(kept: Kept, features: tuple[str, ...]) -> CloseUp | None:
     """The first method's worst corner of an outer wall, which people look at; of anything where none is named so."""
     outer = {i for i, name in enumerate(features) if any(word in name.lower() for word in OUTER)}
-    first = [corner for corner in kept.corners if corner.method == kept.corners[0].method]
+    first = [corner for corner in kept.corners if corner.method == next(iter(kept.methods))]
     return next((corner for corner in first if corner.feature in outer), next(iter(first), None))
 
 

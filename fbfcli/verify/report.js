@@ -4,8 +4,8 @@
   const D = JSON.parse(document.getElementById("data").textContent);
   const by = id => document.getElementById(id);
   const P = D.palette, colour = name => D.colours[D.methods.indexOf(name)];
-  const CONFIG = { responsive: true, displaylogo: false, scrollZoom: true,
-    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d"] };
+  const CONFIG = { responsive: true, displaylogo: false, scrollZoom: true, plotlyServerURL: "", // named, so that no new one sends the plot away
+    modeBarButtons: [["zoom2d", "pan2d", "resetScale2d", "toImage"]] };
   const FAR = [1.5, 8]; // mm shown around a corner, and at least 15 times its error
 
   // ---- numbers ----
@@ -28,7 +28,7 @@
 
   // ---- what all plots share ----
   const axis = (title, more) => Object.assign({ title: { text: title, standoff: 8 }, gridcolor: P.grid, zeroline: false,
-    linecolor: "#b8c0c8", ticks: "outside", tickcolor: "#b8c0c8", automargin: true }, more);
+    linecolor: P.desired, ticks: "outside", tickcolor: P.desired, automargin: true }, more);
   const layout = (x, y, more) => Object.assign({ margin: { l: 60, r: 40, t: 10, b: 44 }, modebar: { orientation: "v", bgcolor: "rgba(255,255,255,0)" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
     font: { family: "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', 'DejaVu Sans', sans-serif", size: 13, color: P.ink },
     legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", bgcolor: "rgba(255,255,255,0.8)" }, hovermode: "closest", xaxis: x, yaxis: y }, more);
@@ -199,6 +199,7 @@
     });
   }
 
+  const HZ = [2, 5, 10, 20, 50, 100, 200], TIMES = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
   function drawBode() {
     if (!section("bode", D.plants.length || some(D.asked))) return;
     ["x", "y"].forEach((id, i) => {
@@ -211,7 +212,7 @@
       draw("bode-" + id, rows.flatMap(([name, one, style]) => [
         { type: "scatter", mode: "lines", x: one.frequency, y: one.magnitude, name, legendgroup: name, line: style, hovertemplate: "%{x:.1f} Hz: %{y:.2f}×<extra>" + name + "</extra>" },
         { type: "scatter", mode: "lines", x: one.frequency, y: one.phase, yaxis: "y2", name, legendgroup: name, showlegend: false, line: style, hovertemplate: "%{x:.1f} Hz: %{y:.0f}°<extra>" + name + "</extra>" }]),
-      layout(axis(`frequency [Hz], axis ${id.toUpperCase()}`, { type: "log", anchor: "y2", range: [Math.log10(2), Math.log10(200)] }), axis("magnitude", { type: "log", domain: [0.42, 1] }), { yaxis2: axis("phase [°]", { domain: [0, 0.34] }) }));
+      layout(axis(`frequency [Hz], axis ${id.toUpperCase()}`, { type: "log", anchor: "y2", range: [Math.log10(2), Math.log10(200)], tickvals: HZ }), axis("magnitude", { type: "log", domain: [0.42, 1], tickvals: TIMES }), { yaxis2: axis("phase [°]", { domain: [0, 0.34] }) }));
     });
   }
 

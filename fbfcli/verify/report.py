@@ -10,6 +10,7 @@ from html import escape
 from pkgutil import get_data
 
 from fbfcli import __version__
+from fbfcli.verify import palette
 from fbfcli.verify.report_data import data
 from fbfcli.verify.subject import Card, Sheet, Subject
 from fbfcli.verify.traces import Kept
@@ -25,7 +26,7 @@ def html(kept: Kept, subject: Subject) -> str:
     parts = {
         "RULES": RULES,
         "TITLE": escape(subject.title),
-        "STYLE": _packaged("report.css"),
+        "STYLE": _style(),
         "LEAD": escape(subject.lead),
         "CARDS": "".join(_card(card) for card in subject.cards),
         "WARNINGS": "".join(f'<p class="warning">{escape(words)}</p>' for words in subject.warnings),
@@ -54,6 +55,15 @@ def thinned(kept: Kept) -> str:
         words.append(f"{shown} of {t.layers} layers are drawn: every {t.stride}th, the same ones of every method.")
     words.append("Corners are drawn with every sample. Tables and curves over time count every sample.")
     return " ".join(words)
+
+
+def _style() -> str:
+    """The page's style, in the colours of its pictures."""
+    style = _packaged("report.css")
+    for name, colour in (("INK", palette.INK), ("FAINT", palette.FAINT), ("GRID", palette.GRID),
+                         ("STRONG", palette.METHODS[1])):  # fmt: skip
+        style = style.replace(f"@{name}@", colour)
+    return style
 
 
 def _card(card: Card) -> str:

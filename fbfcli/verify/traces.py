@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from fbfcli.verify.execution import Execution
 from fbfcli.verify.layer_paths import Layer, LayerPaths, Thinning
 from fbfcli.verify.passage import Passage
 
+T = TypeVar("T")
 POINTS = 220_000  # of all paths: 4 MB of a page
 CORNERS = 16  # of the first method, half as many of each other one
 WINDOW_S = 1.0  # of spectra
@@ -54,6 +56,19 @@ class Kept:
     layers: tuple[Layer, ...]
     corners: tuple[CloseUp, ...]
     thinning: Thinning
+
+    def renamed(self, names: Mapping[str, str]) -> Kept:
+        """The same with other names of the methods."""
+
+        def under(old: dict[str, T]) -> dict[str, T]:
+            return {names.get(name, name): each for name, each in old.items()}
+
+        layers = tuple(replace(layer, nozzle=under(layer.nozzle)) for layer in self.layers)
+        corners = tuple(
+            replace(corner, method=names.get(corner.method, corner.method), windows=under(corner.windows))
+            for corner in self.corners
+        )
+        return replace(self, methods=under(self.methods), layers=layers, corners=corners)
 
 
 class Traces:

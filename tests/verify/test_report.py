@@ -116,6 +116,7 @@ told.ready = document.body.dataset.ready;
 const plots = [...document.querySelectorAll(".plot")];
 told.drawn = plots.filter(each => each.querySelector("svg.main-svg path")).map(each => each.id);
 told.traces = plan.data.map(trace => trace.name);
+told.buttons = [...new Set([...document.querySelectorAll(".modebar-btn")].map(each => each.dataset.title))];
 told.layers = Number(slider.max) + 1;
 told.before = shown();
 told.label = document.getElementById("layer-told").textContent;
@@ -166,6 +167,7 @@ def test_the_page_works_in_a_browser(page, tmp_path):
     pictures = {"plan", "corner", "errors", "layers", "features", "speed", "acceleration", "load", "segments"}
     assert pictures <= set(told["drawn"])
     assert told["traces"] == ["desired path", "as sliced", "lpfbs"]
+    assert told["buttons"] == ["Zoom", "Pan", "Reset axes", "Download plot as a PNG"]  # and none that sends it away
     assert told["before"] != told["after"] and told["label"] != told["labelAfter"]
     assert told["labelAfter"].startswith("1 at Z 0.20 mm")
     width = [span[1] - span[0] for span in (told["whole"], told["zoomed"], told["jumped"], told["again"])]
