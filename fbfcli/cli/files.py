@@ -36,7 +36,7 @@ def reading(name: str) -> Iterator[BinaryIO]:
 
 @contextmanager
 def rereading(name: str) -> Iterator[tuple[Callable[[], BinaryIO], int]]:
-    """What gives a file from its beginning as often as it is asked, and its size; what comes but once is kept meanwhile.
+    """What gives a file from its beginning as often as it is asked, and its size; a pipe's text is kept meanwhile.
 
     Raises FbfError where there is nothing to read.
     """

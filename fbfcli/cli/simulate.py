@@ -21,21 +21,23 @@ if TYPE_CHECKING:
 
 BEFORE_AND_AFTER = ("none", "auto")
 AS_WRITTEN = ("none",)
+KLIPPER_SHAPERS = ("zv", "mzv", "ei", "2hump_ei", "3hump_ei")
 MOST_RATE, TRAJECTORY_HZ = 10_000, 1000
 
 
-class Methods(click.ParamType):
-    """Names of methods, with commas between them."""
+class Names(click.ParamType):
+    """Some of the given names, with commas between them."""
 
-    name = "methods"
+    name = "names"
 
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, ...]:
+    def __init__(self, known: tuple[str, ...]):
+        self._known = known
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
         names = tuple(dict.fromkeys(name.strip() for name in str(value).split(",")))
         for name in names:
-            if name not in METHODS:
-                self.fail(f"{name!r} is not one of {', '.join(METHODS)}.", param, ctx)
+            if name not in self._known:
+                self.fail(f"{name!r} is not one of {', '.join(self._known)}.", param, ctx)
         return names
 
 
@@ -45,7 +47,7 @@ class Methods(click.ParamType):
 @click.option(
     "-m",
     "--methods",
-    type=Methods(),
+    type=Names(METHODS),
     metavar="NAME,…",
     help="Compare these in one run. [default: none,auto: before and after]",
 )
@@ -72,6 +74,13 @@ class Methods(click.ParamType):
     metavar="HZ",
     help="Samples a second, in whole thousands.",
 )
+@click.option(
+    "--firmware-shaper",
+    "shapers",
+    type=Names(KLIPPER_SHAPERS),
+    metavar="NAME,…",
+    help="Also these, of the file as it is, in the firmware: made for what Klipper's calibration would take.",
+)
 @click.option("--plant", metavar="NAME|FILE", help="The true machine, if it is not the printer of -p: another profile.")
 @click.option("--spread", type=Number(0, 50), metavar="PERCENT", help="As in `fbf compensate`.")
 @click.option(
@@ -88,6 +97,7 @@ def simulate(
     accel: tuple[float, ...] | None,
     velocity: float | None,
     rate: int,
+    shapers: tuple[str, ...] | None,
     plant: str | None,
     spread: float | None,
     tolerance: float,
@@ -113,7 +123,7 @@ def simulate(
         raise click.UsageError("no FILE, and standard input is a terminal")
     check_targets([file], json_to)
     from fbfcli.pipeline.settings import Settings
-    from fbfcli.pipeline.simulate import Wanted
+    from fbfcli.pipeline.simulate import FIRMWARE, Wanted
 
     settings = Settings(
         tolerance=tolerance / UM_PER_MM,
@@ -123,13 +133,13 @@ def simulate(
         patch_times=False,
     )
     wanted = Wanted(
-        methods=methods or BEFORE_AND_AFTER,
+        methods=(methods or BEFORE_AND_AFTER) + tuple(FIRMWARE + name for name in shapers or ()),
         accelerations=accel or (None,),
         mismatch=None if mismatch is None else mismatch / PERCENT,
         rate=float(rate),
         machine=None if plant is None else read_printer(find_file(plant)),
     )
-    simulation = _simulate(file, printer, settings, wanted, methods is not None, quiet)
+    simulation = _simulate(file, printer, settings, wanted, bool(methods or shapers), quiet)
     if not quiet:
         click.echo(simulation.text(), err=True)
     if json_to:

@@ -33,6 +33,7 @@ class Batch:
     command    : ndarray, shape (n, 2)           X Y [mm]
     extruding  : ndarray of bool, shape (n,)
     asked      : ndarray of int, shape (n,)      line of the file that asks for each sample
+    filament   : ndarray, shape (n,)             E as sliced [mm]
     place      : ndarray of int, shape (n,)      where the print is, as `Designs` tells places apart
     dropped    : int                             samples that the next batch does not see again
     """
@@ -47,6 +48,7 @@ class Batch:
     command: np.ndarray
     extruding: np.ndarray
     asked: np.ndarray
+    filament: np.ndarray
     place: np.ndarray
     dropped: int
 
@@ -271,6 +273,7 @@ class Commander:
             command,
             samples.extruding[:n],
             samples.line[:n],
+            samples.desired[:n, E],
             self._designs.places(samples.desired[:n]),
             dropped,
         )

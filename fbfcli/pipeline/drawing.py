@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from fbfcli.gcode.marks import Marks
-from fbfcli.motion.kinematics import kinematics_of
 from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.executions import Executions
 from fbfcli.pipeline.machine import Condition, plants_of
@@ -45,8 +46,8 @@ class Drawing:
         self.marks = Marks()
         self._executions = Executions(self.marks, designs, dt, shaping)
         self._passages = [Passages(plants_of(designs, condition, dt)) for condition in under]
-        self._accounts = [Account() for _ in under]
-        self._motors = Motors(machine, kinematics_of(machine), dt)
+        self._accounts = [Account(self.marks.features) for _ in under]
+        self._motors = Motors(machine, dt, watch=self._carry)
 
     def stretches(self, part: Stretches) -> None:
         """More of a compensated file."""
@@ -68,11 +69,16 @@ class Drawing:
             self._draw(execution)
         for i, passages in enumerate(self._passages):
             self._count(i, passages.finish())
+            self._accounts[i].finish()
         return tuple(account.figures() for account in self._accounts), self._motors.figures()
 
     def _draw(self, execution: Execution) -> None:
         for i, passages in enumerate(self._passages):
             self._count(i, passages.add(execution))
+
+    def _carry(self, time: np.ndarray, share: np.ndarray, names: Sequence[str]) -> None:
+        for watcher in self._watchers:
+            watcher.load(self._name, time, share, names)
 
     def _count(self, i: int, passage: Passage | None) -> None:
         """Count the errors under condition i; as modelled, the machine is watched, and its motors feel the load."""

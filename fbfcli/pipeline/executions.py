@@ -50,7 +50,8 @@ class Executions:
         self.starts = part.starts() + np.repeat(opened * self._dt - part.begin * part.dt, part.counts)
         self._tick = int(tick[-1])
         paths = fine.desired[new:], fine.command[new:], motion
-        return self._execution(tick, fine.line[new:], begin, rest, part.goes_on, fine.extruding[new:], paths)
+        filament = None if fine.filament is None else fine.filament[new:]
+        return self._execution(tick, fine.line[new:], begin, rest, part.goes_on, fine.extruding[new:], paths, filament)
 
     def of_track(self, track: Track) -> Execution | None:
         """A file as it is written: the firmware does what is asked of it. None: nothing is final yet."""
@@ -96,6 +97,7 @@ class Executions:
         goes_on: bool,
         extruding: np.ndarray,
         paths: tuple[np.ndarray, np.ndarray, np.ndarray],
+        filament: np.ndarray | None = None,
     ) -> Execution:
         """An execution, with what the file's marks and the machine's places say; paths: desired, command and motion."""
         desired, command, motion = paths
@@ -114,4 +116,5 @@ class Executions:
             motion=motion,
             extruding=extruding,
             place=self._machine.places(motion) if self._machine.vary else None,
+            filament=filament,
         )

@@ -172,6 +172,7 @@ class Scribe:
                 command=batch.command,
                 extruding=batch.extruding,
                 line=batch.asked,
+                filament=batch.filament,
                 first=number[segments.first],
                 start=segments.moves.start,
                 delta=segments.moves.delta,

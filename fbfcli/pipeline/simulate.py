@@ -72,8 +72,12 @@ def simulate(
         check_ceilings(printer, how)
         for method in wanted.methods:
             seeing = watchers if acceleration == wanted.accelerations[0] else ()
-            results.append(_Pass(method, printer, machine, under, how, 1.0 / wanted.rate, seeing).run(reading))
-    return Simulation(printer.name, machine.name, wanted.rate, under, tuple(results))
+            one = _Pass(method, printer, machine, under, how, 1.0 / wanted.rate, seeing)
+            results.append(one.run(reading))
+    marks = one.marks
+    return Simulation(
+        printer.name, machine.name, wanted.rate, tuple(marks.features), marks.layers, under, tuple(results)
+    )
 
 
 class _Reading:
@@ -113,10 +117,11 @@ class _Pass:
         if self._in_firmware:
             shaping = InputShaping([impulses(shaper, one.frequency, one.damping) for one in self._made_for], dt)
         self._drawing = Drawing(name, machine, under, dt, watchers, shaping)
+        self.marks = self._drawing.marks
 
     def run(self, text: Iterable[bytes]) -> Simulated:
         """Everything of it."""
-        chunks = self._drawing.marks.passing(text)
+        chunks = self.marks.passing(text)
         if self._in_firmware or self._name == AS_WRITTEN:
             return self._as_written(chunks)
         return self._compensated(chunks)

@@ -13,8 +13,9 @@ from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.drive import Drive, MotorTold, motors_of
 from fbfcli.pipeline.filament import Filament
 from fbfcli.pipeline.reader import Reader
+from fbfcli.pipeline.rows import told
 from fbfcli.pipeline.settings import Settings
-from fbfcli.pipeline.summary import clock, told
+from fbfcli.pipeline.summary import clock
 from fbfcli.pipeline.timeline import Event, Timeline
 from fbfcli.printer import Printer
 from fbfcli.steps.stream import Piece

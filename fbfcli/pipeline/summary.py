@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
+from fbfcli.pipeline.rows import told
 from fbfcli.verify.contour_error import Errors
 
 BUSY = 1.25  # seconds may be this much fuller than the firmware's rate before they are told of
@@ -84,12 +84,6 @@ class Summary:
             ("method", f"{self.method} ({self.why})" if self.why else self.method),
         ]
         return told(rows, self.warnings)
-
-
-def told(rows: Sequence[tuple[str, str]], warnings: Sequence[str] = ()) -> str:
-    """Names and values in two columns, and warnings under them."""
-    lines = [f"{name + ':':15s}{value}" for name, value in rows]
-    return "\n".join([*lines, *(f"warning: {warning}" for warning in warnings)])
 
 
 def clock(seconds: float) -> str:

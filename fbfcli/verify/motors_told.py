@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+SHOWN = 3  # losses of each motor that people are told of
+
 
 @dataclass(frozen=True)
 class Moment:
@@ -22,8 +24,9 @@ class MotorLoad:
     name, motor  : as the kinematics call it, and what it is
     microstep_um : a microstep; the command is rounded to half of it [um]
     torque       : at rest with the run current [N m]
-    share        : highest torque that is wanted, of what the motor has left at that speed; share_at: where
-    angle        : largest load angle [full steps]; integrated, or where nothing was, bounded; angle_at: where
+    share        : highest torque that the rotor takes, its own swinging included, of what the motor has left at that
+                   speed; share_at: where
+    angle        : largest load angle [full steps]; integrated, or where nothing was, asin(share); angle_at: where
     angle_um     : how far the rotor is off its command then [um]
     integrated   : share of the print that was integrated in full, in so many windows
     """
@@ -60,12 +63,35 @@ class LostSteps:
 class MotorsTold:
     """All motors that a profile describes.
 
-    needed : what could need more than this share of the torque was integrated
+    needed : where more than this share of the torque is taken, the rotor was integrated in full
     """
 
     motors: tuple[MotorLoad, ...]
     lost: tuple[LostSteps, ...]
     needed: float
+
+    def text(self) -> str:
+        """For people, one line."""
+        return "; ".join(
+            f"{one.name} {100 * one.share:.0f} % of its torque at most (line {one.share_at.line}), "
+            f"{one.angle_um:.0f} um behind"
+            + (f", {100 * one.integrated:.1g} % of the print integrated" if one.windows else "")
+            for one in self.motors
+        )
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Where steps are lost: the first losses of each motor, and how many more there are."""
+        found = []
+        for motor in self.motors:
+            lost = [one for one in self.lost if one.motor == motor.name]
+            found += [
+                f"motor {one.motor} loses {one.steps} full steps at line {one.line} ({one.time:.3f} s)"
+                for one in lost[:SHOWN]
+            ]
+            if len(lost) > SHOWN:
+                found.append(f"motor {motor.name} loses steps {len(lost) - SHOWN} times more")
+        return tuple(found)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""

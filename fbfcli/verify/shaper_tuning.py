@@ -17,7 +17,7 @@ from fbfcli.control.shapers import MAX_DAMPING, impulses, shaper
 from fbfcli.plant.model import Plant, impulse_response, modes
 from fbfcli.plant.shaper_score import BAND_HZ, DAMPING, best_shaper
 
-LOWEST, HIGHEST, STEP = 0.7, 2.5, 1.02  # frequencies that are tried: of the lowest mode, of the highest; one to the next
+LOWEST, HIGHEST, STEP = 0.7, 2.5, 1.02  # tried are frequencies from 0.7 lowest mode to 2.5 highest, in steps of 2 %
 GRID_HZ = 1.0
 
 
@@ -35,7 +35,8 @@ def best(name: str, plant: Plant) -> MadeFor | None:
     if not vibrations:
         return None
     zeta = min(vibrations[0].damping, MAX_DAMPING[name])
-    low, high = LOWEST * min(mode.frequency for mode in vibrations), HIGHEST * max(mode.frequency for mode in vibrations)
+    found = [mode.frequency for mode in vibrations]
+    low, high = LOWEST * min(found), HIGHEST * max(found)
     tried = low * STEP ** np.arange(np.log(high / low) / np.log(STEP))
     return min((MadeFor(float(f), zeta) for f in tried), key=lambda one: corner_error(name, one, plant))
 

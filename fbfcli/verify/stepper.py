@@ -1,17 +1,18 @@
 """The steppers under a print: how much of their torque it takes, how far their rotors are behind, where steps are lost.
 
-For every sample there is a bound of the load angle (`rotor_bound`). Where it needs more than NEEDED of the torque that
+For every sample there is what a linear rotor takes (`rotor_bound`). Where that is more than NEEDED of the torque that
 is left, the rotor is integrated in full (`rotor`), until the motor runs slowly enough to catch a rotor that was lost.
 What stays below NEEDED is far from the maximum of the sine, where a rotor falls off.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi
 
 import numpy as np
 
-from fbfcli.motion.kinematics import Kinematics
+from fbfcli.motion.kinematics import kinematics_of
 from fbfcli.printer import Motor, Printer
 from fbfcli.verify.microsteps import finest
 from fbfcli.verify.motor_course import Asked, Asking
@@ -29,20 +30,25 @@ STEPS_PER_CYCLE = 4
 FALL_S = 0.05  # s without a slip after which the next one is another loss
 
 
+Watch = Callable[[np.ndarray, np.ndarray, tuple[str, ...]], None]
+
+
 class Motors:
-    """All motors of a printer that its profile describes, fed with a print piece by piece.
+    """All motors of a printer that its profile describes, fed with a print piece by piece. ProfileError: kinematics_of.
 
     needed : NEEDED; 0 integrates everything
+    watch  : told of times (n,) [s], the share of its torque that each of m motors is asked for then, (n, m), and names
     """
 
-    def __init__(self, printer: Printer, kinematics: Kinematics, dt: float, needed: float = NEEDED):
-        self._asking = Asking(kinematics, [axis.load for axis in printer.axes], dt)
-        self._needed = needed
-        self._each = {
-            i: _Motor(name, axis.motor, dt, needed)
-            for i, (name, axis) in enumerate(zip(kinematics.names, printer.axes, strict=True))
-            if axis.motor is not None
-        }
+    def __init__(self, printer: Printer, dt: float, needed: float = NEEDED,
+                 watch: Watch = lambda time, share, names: None):  # fmt: skip
+        self._needed, self._watch = needed, watch
+        described = {i: axis.motor for i, axis in enumerate(printer.axes) if axis.motor is not None}
+        self._each: dict[int, _Motor] = {}
+        if described:
+            kinematics = kinematics_of(printer)
+            self._asking = Asking(kinematics, [axis.load for axis in printer.axes], dt)
+            self._each = {i: _Motor(kinematics.names[i], motor, dt, needed) for i, motor in described.items()}
 
     def add(self, passage: Passage) -> None:
         """More of the print. Raises LimitError beyond a delta's reach."""
@@ -63,33 +69,34 @@ class Motors:
 
     def _take(self, asked: Asked | None) -> None:
         if asked is not None and len(asked.time):
-            for i, motor in self._each.items():
-                motor.add(asked, i)
+            shares = [motor.add(asked, i) for i, motor in self._each.items()]
+            self._watch(asked.time, np.column_stack(shares), tuple(motor.name for motor in self._each.values()))
 
 
 class _Motor:
     """One motor: what it is asked for, bounded, cut into windows, integrated, and told."""
 
     def __init__(self, name: str, motor: Motor, dt: float, needed: float):
-        self._name, self._motor, self._dt, self._needed = name, motor, dt, needed
+        self.name, self._motor, self._dt, self._needed = name, motor, dt, needed
         self._rotor = rotor_of(motor)
         self._bound, self._windows = Bound(self._rotor, dt), Windows(dt)
         self._per_mm = 2.0 * pi / motor.mm_per_turn  # shaft [rad]
         self._lost_track = False  # the bound has been beyond the torque, and the motor still runs fast
         self._waiting: list[Course] = []
         self._samples = self._integrated = self._count = 0
-        self._share = self._angle = self._bounded = (0.0, Moment(0, 0.0, 0.0))
+        self._share = self._angle = (0.0, Moment(0, 0.0, 0.0))
         self.lost: list[LostSteps] = []
 
-    def add(self, asked: Asked, i: int) -> None:
+    def add(self, asked: Asked, i: int) -> np.ndarray:
+        """Share of its torque that each sample asks for."""
         course = self._course(asked, i)
-        bound = self._bound.add(course.u) / course.g
-        self._share = _larger(self._share, np.abs(course.u) / course.g, course)
-        self._bounded = _larger(self._bounded, bound, course)
+        share = self._bound.add(course.u) / course.g
+        self._share = _larger(self._share, share, course)
         self._samples += len(course)
-        self._waiting += self._windows.add(course, (bound >= self._needed) | self._off_track(bound, course.speed))
+        self._waiting += self._windows.add(course, (share >= self._needed) | self._off_track(share, course.speed))
         if sum(map(len, self._waiting)) >= TOGETHER:
             self._integrate()
+        return share
 
     def finish(self) -> None:
         self._waiting += self._windows.finish()
@@ -99,10 +106,10 @@ class _Motor:
         motor = self._motor
         angle, where = self._angle
         if not self._integrated:
-            angle, where = float(np.arcsin(min(1.0, self._bounded[0]))), self._bounded[1]
+            angle, where = float(np.arcsin(min(1.0, self._share[0]))), self._share[1]
         full_steps = angle / (2.0 * pi) * STEPS_PER_CYCLE
         return MotorLoad(
-            name=self._name,
+            name=self.name,
             motor=motor.name,
             microstep_um=1e3 * motor.mm_per_turn / (motor.full_steps * motor.microsteps),
             torque=standstill_torque(motor),
@@ -132,11 +139,11 @@ class _Motor:
             line=asked.line,
         )
 
-    def _off_track(self, bound: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    def _off_track(self, share: np.ndarray, speed: np.ndarray) -> np.ndarray:
         """From where the torque may not suffice until the field is slow: below its own frequency a rotor is caught."""
         fast = np.abs(speed) * self._per_mm * self._motor.full_steps / STEPS_PER_CYCLE > self._rotor.w
-        k = np.arange(len(bound))
-        beyond = np.maximum.accumulate(np.where(bound >= 1.0, k, -1))
+        k = np.arange(len(share))
+        beyond = np.maximum.accumulate(np.where(share >= 1.0, k, -1))
         slow = np.maximum.accumulate(np.where(fast, -1, k))
         off = (beyond > slow) | (self._lost_track & (slow < 0))
         self._lost_track = bool(off[-1])
@@ -151,14 +158,14 @@ class _Motor:
                 self._angle = float(swung.largest[i]), _moment(course, int(swung.at[i]))
             for at, cycles in _falls(swung.slips[swung.slips[:, 0] == i, 1:], round(FALL_S / self._dt)):
                 where = _moment(course, at)
-                self.lost.append(LostSteps(self._name, where.line, where.time, STEPS_PER_CYCLE * abs(cycles)))
+                self.lost.append(LostSteps(self.name, where.line, where.time, STEPS_PER_CYCLE * abs(cycles)))
         self._integrated += sum(map(len, self._waiting))
         self._count += len(self._waiting)
         self._waiting = []
 
 
 def _falls(slips: np.ndarray, apart: int) -> list[tuple[int, int]]:
-    """First sample and electrical cycles of each loss, from single slips, shape (k, 2); what is caught again is none."""
+    """First sample and electrical cycles of each loss, from single slips, shape (k, 2); one that is caught is none."""
     cuts = np.flatnonzero(np.diff(slips[:, 0]) > apart) + 1
     groups = [group for group in np.split(slips, cuts) if len(group)]
     return [(int(group[0, 0]), int(group[:, 1].sum())) for group in groups if group[:, 1].sum()]

@@ -36,6 +36,7 @@ class Stretches:
     late       : float                             how late the first starts [s]
     dt         : float
     place      : ndarray of int, shape (n,)        where the print is; None: the plants hold everywhere
+    filament   : ndarray, shape (n,)               E as sliced [mm]; None: that of the segments
     """
 
     begin: np.ndarray
@@ -56,6 +57,7 @@ class Stretches:
     late: float
     dt: float
     place: np.ndarray | None = None
+    filament: np.ndarray | None = None
 
     def positions(self, columns: slice = slice(2)) -> np.ndarray:
         """What the planner model executes, on the samples, shape (n, k): X and Y, or these of X Y Z E."""
@@ -74,19 +76,24 @@ class Stretches:
         begin = np.cumsum(length + 1) - length - 1
         after = np.arange(length.sum() + len(length)) - np.repeat(begin, length + 1)
         old = np.repeat(self.begin, length + 1) + after // times
-        part = (after % times / times)[:, None]
+        part = after % times / times
         following = np.minimum(old + 1, len(self.desired) - 1)
+
+        def linear(x: np.ndarray) -> np.ndarray:
+            return x[old] + (part if x.ndim == 1 else part[:, None]) * (x[following] - x[old])
+
         return replace(
             self,
             begin=begin,
             end=begin + length,
             rest=times * self.rest,
-            desired=self.desired[old] + part * (self.desired[following] - self.desired[old]),
-            command=self.command[old] + part * (self.command[following] - self.command[old]),
+            desired=linear(self.desired),
+            command=linear(self.command),
             extruding=self.extruding[old],
             line=self.line[old],
             dt=self.dt / times,
             place=None if self.place is None else self.place[old],
+            filament=None if self.filament is None else linear(self.filament),
         )
 
     def starts(self) -> np.ndarray:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
-from fbfcli.motion.kinematics import kinematics_of
 from fbfcli.printer import Axis, Limits, Load, Motor, Printer
 from fbfcli.verify.execution import Execution
 from fbfcli.verify.motors_told import MotorsTold
@@ -20,10 +19,10 @@ MIDDLE = 100.0  # mm: where prints begin
 
 
 def printer(kinematics: str = "cartesian", motor: Motor | None = MOTOR, load: Load | None = LOAD) -> Printer:
-    """X, Y and, on a delta, Z have the same motor."""
-    axes = [Axis(name, (0.0, 300.0), 80.0, motor=motor, load=load) for name in "XYZ"]
-    if kinematics != "delta":
-        axes[2] = replace(axes[2], motor=None, load=None)
+    """X, on a CoreXY also Y, and on a delta Z too have this motor."""
+    driven = {"cartesian": "X", "corexy": "XY", "delta": "XYZ"}[kinematics]
+    axes = [Axis(name, (0.0, 300.0), 80.0, motor=motor, load=load) if name in driven else Axis(name, (0.0, 300.0), 80.0)
+            for name in "XYZ"]  # fmt: skip
     return Printer("test", "", "klipper", kinematics, (axes[0], axes[1], axes[2]), Limits(), 1000.0,
                    delta_radius=150.0, arm_length=300.0)  # fmt: skip
 
@@ -65,8 +64,8 @@ def along(axis: int, move: np.ndarray) -> np.ndarray:
 
 def told(x: np.ndarray, machine: Printer, needed: float = NEEDED, pieces: int = 1) -> MotorsTold:
     """What the motors are asked for by a rigid machine's print that arrives in pieces."""
-    motors = Motors(machine, kinematics_of(machine), DT, needed)
+    motors = Motors(machine, DT, needed)
     cuts = np.linspace(0, len(x), pieces + 1).astype(int)
-    for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+    for a, b in pairwise(cuts):
         motors.add(rigid(execution(x[a:b], first=int(a), goes_on=b < len(x))))
     return motors.figures()
