@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fbfcli.cli.files import DASH, check_targets, rereading
+from fbfcli.cli.files import DASH, check_targets, one_stream, rereading
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import METHODS, PERCENT, UM_PER_MM
 from fbfcli.cli.options import Number, Numbers, json_option, printer_option, quiet_option
+from fbfcli.cli.pictures import Pictures, picture_options
 from fbfcli.cli.telling import fraction_bar, named, tell_json
 
 if TYPE_CHECKING:
@@ -87,6 +88,7 @@ class Names(click.ParamType):
     "--tolerance", type=Number(0.1, 1000), default=5.0, show_default=True, metavar="UM", help="As in `fbf compensate`."
 )
 @click.option("--segments", type=Number(min=10), metavar="PER_S", help="As in `fbf compensate`.")
+@picture_options
 @json_option
 @quiet_option
 def simulate(
@@ -102,6 +104,8 @@ def simulate(
     spread: float | None,
     tolerance: float,
     segments: float | None,
+    report: str | None,
+    png: str | None,
     json_to: str | None,
     quiet: bool,
 ) -> None:
@@ -115,13 +119,15 @@ def simulate(
     fbf simulate part.gcode -p taz6 -m none,mzv,ei,lpfbs,contour        method against method
     fbf simulate part.gcode -p taz6 --mismatch 10                       if the machine is not as modelled
     fbf simulate part.gcode -p taz6 --accel 1000,3000,10000             print time against error
+    fbf simulate part.gcode -p taz6 --report part.html --png part.png   to look at
     fbf simulate -p taz6 --json - part.fbf.gcode | jq .results
     """
     if rate % TRAJECTORY_HZ:
         raise click.UsageError(f"--rate takes whole thousands, as 1000 or 4000: {rate} is not")
     if file == DASH and sys.stdin.isatty():
         raise click.UsageError("no FILE, and standard input is a terminal")
-    check_targets([file], json_to)
+    check_targets([file], json_to, report, png)
+    one_stream(json_to, report, png)
     from fbfcli.pipeline.settings import Settings
     from fbfcli.pipeline.simulate import FIRMWARE, Wanted
 
@@ -139,7 +145,8 @@ def simulate(
         rate=float(rate),
         machine=None if plant is None else read_printer(find_file(plant)),
     )
-    simulation = _simulate(file, printer, settings, wanted, bool(methods or shapers), quiet)
+    pictures = Pictures(report, png)
+    simulation = _simulate(file, printer, settings, wanted, bool(methods or shapers), pictures, quiet)
     if not quiet:
         click.echo(simulation.text(), err=True)
     if json_to:
@@ -147,9 +154,15 @@ def simulate(
 
 
 def _simulate(
-    file: str, printer: str | None, settings: Settings, wanted: Wanted, chosen: bool, quiet: bool
+    file: str,
+    printer: str | None,
+    settings: Settings,
+    wanted: Wanted,
+    chosen: bool,
+    pictures: Pictures,
+    quiet: bool,
 ) -> Simulation:
-    """Read the file as often as needed, and simulate it."""
+    """Read the file as often as needed, simulate it, and draw it."""
     from dataclasses import replace
 
     from fbfcli.gcode.scan import chunks
@@ -177,4 +190,7 @@ def _simulate(
             return chunks(again())
 
         with fraction_bar(file, quiet) as bar:
-            return run(texts, machine, settings, wanted, lambda done: bar(done / max(size * wanted.passes, 1)))
+            whole = max(size * wanted.passes, 1)
+            simulation = run(texts, machine, settings, wanted, lambda done: bar(done / whole), pictures.watchers)
+        pictures.write(file, simulation, machine, wanted.machine or machine, settings)
+        return simulation

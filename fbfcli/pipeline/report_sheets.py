@@ -16,19 +16,19 @@ def methods(shown: Named) -> Sheet:
     """Every method's print time and errors."""
     return Sheet(
         "Method against method",
-        "While something is printed: distance of the nozzle from the path (contour), ahead of or behind its place on it (along), and both "
-        "together (tracking). All in µm.",
-        ("", "print time", "contour RMS", "99 %", "largest", "along RMS", "largest", "tracking RMS", "travel, contour RMS"),
+        "While something is printed: distance of the nozzle from the path (contour), ahead of or behind its place on "
+        "it (along), and both together (tracking). All in µm.",
+        ("", "print time", "contour RMS", "99 %", "largest", "along RMS", "largest", "tracking RMS", "travel, RMS"),
         tuple(
             (
                 name,
                 clock(one.time),
-                _um(figures.total.contour.rms),
-                _um(figures.total.contour.p99),
-                _um(figures.total.contour.max),
-                _um(figures.total.along.rms),
-                _um(figures.total.along.max),
-                _um(figures.total.tracking.rms),
+                _um(figures.drawn.contour.rms),
+                _um(figures.drawn.contour.p99),
+                _um(figures.drawn.contour.max),
+                _um(figures.drawn.along.rms),
+                _um(figures.drawn.along.max),
+                _um(figures.drawn.tracking.rms),
                 _um(figures.off.contour.rms),
             )
             for name, one in shown
@@ -55,15 +55,15 @@ def corners(shown: Named) -> Sheet:
     """Rounding and ringing of corners."""
     return Sheet(
         "Corners and ringing",
-        "How far corners are cut short (rounding) or run over (overshoot), and the swing that stays behind them: its height and its length on the "
-        "part. Median and 99 % of all corners.",
+        "How far corners are cut short (rounding) or run over (overshoot), and the swing that stays behind them: its "
+        "height and its length on the part. Median / 99 % of all corners.",
         ("", "corners", "that ring", "rounding [µm]", "overshoot [µm]", "ringing [µm]", "wavelength [mm]"),
         tuple(
             (
                 name,
                 f"{found.count:,}",
                 f"{found.rings:,}",
-                *(f"{_um(each.median)} / {_um(each.p99)}" for each in (found.rounding, found.overshoot, found.amplitude)),
+                *(f"{_um(of.median)} / {_um(of.p99)}" for of in (found.rounding, found.overshoot, found.amplitude)),
                 f"{found.wavelength.median:.1f}" if found.rings else "–",
             )
             for name, one in shown
@@ -76,8 +76,9 @@ def surfaces(shown: Named) -> Sheet:
     """Roughness of walls and width of beads."""
     return Sheet(
         "Surface and extrusion",
-        "Roughness of the longest straight walls across X and Y (ISO 4287, of the swing alone), and how much of the print has beads that are "
-        "wider or thinner than sliced by more than 5 %, because plastic flows on the slicer's clock and the nozzle does not.",
+        "Roughness of the longest straight walls across X and Y (of the swing alone), and how much of the print has "
+        "beads that are wider or thinner than sliced by more than 5 %: plastic flows on one clock, the nozzle moves on "
+        "another.",
         ("", "wall across X, Ra [µm]", "Rz [µm]", "wall across Y, Ra [µm]", "Rz [µm]", "wider", "thinner"),
         tuple(
             (
@@ -96,7 +97,8 @@ def mismatch(shown: Named, simulation: Simulation) -> Sheet:
     """Every method on machines that are not as modelled."""
     return Sheet(
         "If the machine is not as modelled",
-        "Contour error, RMS and largest, in µm, with the machine's frequencies and dampings off and every method as it was designed.",
+        "Contour error, RMS / largest in µm, with the machine's frequencies and dampings off, every method as it was "
+        "designed.",
         ("", *(condition.name for condition in simulation.conditions)),
         tuple((name, *(_pair(figures) for figures in one.figures)) for name, one in shown),
     )
@@ -124,8 +126,8 @@ def motors(shown: Named) -> Sheet:
     """Load of the motors."""
     return Sheet(
         "Motors",
-        "Highest share of the torque that a motor has left at its speed, and how far its rotor lags behind its field then: beyond 1 full step it "
-        "falls back and steps are lost.",
+        "Highest share of the torque that a motor has left at its speed, and how far its rotor lags behind its field, "
+        "at most: beyond 1 full step it falls back and steps are lost.",
         ("", "motor", "highest torque", "at line", "largest load angle [full steps]", "[µm]", "steps lost"),
         tuple(
             (
@@ -148,7 +150,7 @@ def _um(value: float) -> str:
 
 
 def _pair(figures: Accounted) -> str:
-    return f"{_um(figures.total.contour.rms)} / {figures.total.contour.max:.0f}"
+    return f"{_um(figures.drawn.contour.rms)} / {figures.drawn.contour.max:.0f}"
 
 
 def _feature(figures: Accounted, k: int) -> tuple[str, str]:

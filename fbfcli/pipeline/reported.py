@@ -13,6 +13,8 @@ from fbfcli.pipeline.simulation import Simulated, Simulation
 from fbfcli.pipeline.summary import clock
 from fbfcli.printer import Printer
 from fbfcli.verify.account import Three
+from fbfcli.verify.figures import before_after, png, worst_seen
+from fbfcli.verify.report import html
 from fbfcli.verify.subject import Card, Ceilings, Face, Sheet, Spans, Subject
 from fbfcli.verify.traces import Kept
 
@@ -22,9 +24,9 @@ UM = 1e3
 
 def labels(simulation: Simulation) -> dict[str, str]:
     """What people call the methods that were asked for: `none` changes nothing, `auto` is the method that was taken."""
-    called = {one.name: AS_SLICED if one.method == "none" and one.name == "none" else one.name for one in shown(simulation)}
-    taken = {one.name: one.method for one in shown(simulation) if one.name == AUTO}
-    return called | {name: method for name, method in taken.items() if method not in called.values()}
+    called = {one.name: AS_SLICED if one.name == "none" else one.name for one in shown(simulation)}
+    taken = {one.name: one.method for one in shown(simulation) if one.name == AUTO and one.method not in called}
+    return called | taken
 
 
 def shown(simulation: Simulation) -> Sequence[Simulated]:
@@ -32,30 +34,41 @@ def shown(simulation: Simulation) -> Sequence[Simulated]:
     return [one for one in simulation.results if one.acceleration == simulation.results[0].acceleration]
 
 
-def relabelled(kept: Kept, simulation: Simulation) -> Kept:
-    """The traces under the names that people read."""
-    return kept.renamed(labels(simulation))
-
-
-def subject(file: str, simulation: Simulation, printer: Printer, machine: Printer, settings: Settings) -> Subject:
-    """Everything on the page that is not a picture.
+def page(
+    file: str, kept: Kept, simulation: Simulation, printer: Printer, machine: Printer, settings: Settings
+) -> str:
+    """The report of what was kept of a simulation, HTML.
 
     printer, machine : that the text is meant for, and that draws it
     """
+    return html(kept.renamed(labels(simulation)), subject(file, simulation, printer, machine, settings))
+
+
+def picture(file: str, kept: Kept, simulation: Simulation) -> bytes | None:
+    """The worst corner before and after, a PNG; None where nothing moves."""
+    renamed = kept.renamed(labels(simulation))
+    corner = worst_seen(renamed, simulation.features)
+    if corner is None:
+        return None
+    feature = simulation.features[corner.feature]
+    title = f"{file} on {simulation.machine}, predicted: {feature}, layer {corner.layer + 1}, line {corner.line + 1}"
+    return png(before_after(renamed, corner, title))
+
+
+def subject(file: str, simulation: Simulation, printer: Printer, machine: Printer, settings: Settings) -> Subject:
+    """Everything on the page that is not a picture."""
     called = labels(simulation)
     named = [(called[one.name], one) for one in shown(simulation)]
-    designs = Designs(machine, "none", Settings(dt=1.0 / simulation.rate))
-    box = box_of(printer)
-    faces = _faces(named, simulation.features)
+    designs, box = Designs(machine, "none", Settings(dt=1.0 / simulation.rate)), box_of(printer)
     return Subject(
         title=f"{file}: where the nozzle goes",
         lead=_lead(named, printer, machine),
-        warnings=tuple(dict.fromkeys((*simulation.warnings, *(each for _, one in named for each in one.warnings)))),
+        warnings=simulation.warnings,
         cards=_cards(named),
         sheets=_sheets(simulation, named, called),
         by_layer={name: _spans(one.figures[0].by_layer, _most(named, "by_layer")) for name, one in named},
         by_feature={name: _spans(one.figures[0].by_feature, len(simulation.features)) for name, one in named},
-        faces=faces,
+        faces=_faces(named, simulation.features),
         features=tuple(simulation.features),
         plants=designs.b_a(0),
         dt=1.0 / simulation.rate,
@@ -79,14 +92,16 @@ def _lead(named: sheets.Named, printer: Printer, machine: Printer) -> str:
 
 def _cards(named: sheets.Named) -> tuple[Card, ...]:
     """The best method against the first."""
-    (first, before), (_, after) = named[0], min(named, key=lambda each: each[1].figures[0].total.contour.rms)
-    was, now = (one.figures[0].total.contour for one in (before, after))
-    beside = (lambda value: f"{first}: {value}") if after is not before else (lambda value: first)
-    return (
-        Card("off the path, RMS", f"{now.rms:.1f} µm", beside(f"{was.rms:.1f} µm")),
-        Card("99 % of the print within", f"{now.p99:.0f} µm", beside(f"{was.p99:.0f} µm")),
-        Card("largest error", f"{now.max:.0f} µm", beside(f"{was.max:.0f} µm")),
-        Card("print time", clock(after.time), beside(clock(before.time))),
+    (first, before), (name, after) = named[0], min(named, key=lambda each: each[1].figures[0].drawn.contour.rms)
+    was, now = (one.figures[0].drawn.contour for one in (before, after))
+    figures = (
+        ("off the path, RMS", f"{now.rms:.1f} µm", f"{was.rms:.1f} µm"),
+        ("99 % of the print within", f"{now.p99:.0f} µm", f"{was.p99:.0f} µm"),
+        ("largest error", f"{now.max:.0f} µm", f"{was.max:.0f} µm"),
+        ("print time", clock(after.time), clock(before.time)),
+    )
+    return tuple(
+        Card(what, value, name if after is before else f"{name}; {first}: {other}") for what, value, other in figures
     )
 
 

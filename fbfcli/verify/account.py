@@ -55,6 +55,11 @@ class Accounted:
     bead_by_feature: dict[int, BeadFigures]
     walls: tuple[Wall, ...]
 
+    @property
+    def drawn(self) -> Three:
+        """Errors of what the print draws: of a file that never extrudes, of all its motion."""
+        return self.total if self.extruding else self.off
+
     def as_dict(self, features: Sequence[str]) -> dict[str, Any]:
         """Everything but the profiles of walls, for JSON; features by name."""
         told = {each.name: getattr(self, each.name) for each in fields(self)}

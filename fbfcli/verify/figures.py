@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -51,6 +52,13 @@ def before_after(kept: Kept, shown: CloseUp, title: str) -> Figure:
         _errors(plot, shown, windows, colours)
         figure.suptitle(title, fontsize=13)
     return figure
+
+
+def png(figure: Figure) -> bytes:
+    """The figure as a file."""
+    stream = BytesIO()
+    figure.savefig(stream, format="png", dpi=DPI)
+    return stream.getvalue()
 
 
 def reach(corner: CloseUp) -> float:

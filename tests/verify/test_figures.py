@@ -1,14 +1,12 @@
 """The picture of the worst corner is one, and draws errors where they are."""
 
-from io import BytesIO
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from trace_cases import square
 
-from fbfcli.verify.figures import before_after, magnified, worst_seen
+from fbfcli.verify.figures import before_after, magnified, png, worst_seen
 from fbfcli.verify.traces import Kept, Traces
 
 
@@ -36,9 +34,7 @@ def test_the_picture_shows_both_methods_and_says_how_much_larger_errors_are(ampl
     plan, errors = figure.axes
     assert [line.get_label() for line in plan.lines[:3]] == ["desired path", "nozzle, as sliced", "nozzle, lpfbs"]
     assert len(errors.lines) == 2 and ("larger" in plan.get_title()) == (amplitude < 0.1)
-    stream = BytesIO()
-    figure.savefig(stream, format="png")
-    assert stream.getvalue().startswith(b"\x89PNG")
+    assert png(figure).startswith(b"\x89PNG")
 
 
 def test_outer_walls_come_first():
