@@ -29,6 +29,7 @@ class Drawing:
 
     name    : told to the watchers
     shaping : the firmware's, of tracks; None: it has none
+    like    : of another method, ahead of this one or in step with it: the same walls are shown
     marks   : to be told of the file's text before its motion comes here
     """
 
@@ -40,13 +41,15 @@ class Drawing:
         dt: float,
         watchers: Sequence[Watcher],
         shaping: InputShaping | None = None,
+        like: Drawing | None = None,
     ):
         designs = Designs(machine, "none", Settings(dt=dt))
         self._name, self._watchers = name, watchers
         self.marks = Marks()
         self._executions = Executions(self.marks, designs, dt, shaping)
         self._passages = [Passages(plants_of(designs, condition, dt)) for condition in under]
-        self._accounts = [Account(self.marks.features) for _ in under]
+        others = like._accounts if like else [None] * len(under)
+        self._accounts = [Account(self.marks.features, other) for other in others]
         self._motors = Motors(machine, dt, watch=self._carry)
 
     def stretches(self, part: Stretches) -> None:

@@ -81,9 +81,10 @@ class Account:
     """What is counted of a print while its passages stream past.
 
     features : names of what is printed, as far as they are known: it may grow while the print is read
+    like     : of another method, ahead of this one or in step with it: the same walls are shown
     """
 
-    def __init__(self, features: list[str]):
+    def __init__(self, features: list[str], like: Account | None = None):
         self._features = features
         self._dt = 0.0
         self._samples = [0, 0]  # of travel, of extruding
@@ -92,7 +93,7 @@ class Account:
         self._beads: Beads | None = None
         self._bead_tally = BeadTally()
         self._ringing, self._corners = Ringing(), CornerTally(features)
-        self._walls = Walls(features)
+        self._walls = Walls(features, like and like._walls)
 
     def add(self, passage: Passage | None) -> tuple[Corner, ...]:
         """Count a passage; the corners that are final with it."""
