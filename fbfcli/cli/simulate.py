@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import click
 
-from fbfcli.cli.files import DASH, check_targets, one_stream, rereading
+from fbfcli.cli.files import DASH, check_targets, one_stream, rereading, writing
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import METHODS, PERCENT, UM_PER_MM
 from fbfcli.cli.options import Number, Numbers, json_option, printer_option, quiet_option
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from fbfcli.pipeline.settings import Settings
     from fbfcli.pipeline.simulate import Wanted
     from fbfcli.pipeline.simulation import Simulation
+    from fbfcli.pipeline.watcher import Watcher
+    from fbfcli.printer import Printer
 
 BEFORE_AND_AFTER = ("none", "auto")
 AS_WRITTEN = ("none",)
@@ -89,6 +92,9 @@ class Names(click.ParamType):
 )
 @click.option("--segments", type=Number(min=10), metavar="PER_S", help="As in `fbf compensate`.")
 @picture_options
+@click.option(
+    "--csv", "csv_to", metavar="FILE", help="Write where the nozzle goes, sample by sample; - is standard output."
+)
 @json_option
 @quiet_option
 def simulate(
@@ -106,6 +112,7 @@ def simulate(
     segments: float | None,
     report: str | None,
     png: str | None,
+    csv_to: str | None,
     json_to: str | None,
     quiet: bool,
 ) -> None:
@@ -126,10 +133,11 @@ def simulate(
         raise click.UsageError(f"--rate takes whole thousands, as 1000 or 4000: {rate} is not")
     if file == DASH and sys.stdin.isatty():
         raise click.UsageError("no FILE, and standard input is a terminal")
-    check_targets([file], json_to, report, png)
-    one_stream(json_to, report, png)
+    one_stream(csv_to, json_to, report, png)
+    check_targets([file], csv_to, json_to, report, png)
     from fbfcli.pipeline.settings import Settings
     from fbfcli.pipeline.simulate import FIRMWARE, Wanted
+    from fbfcli.verify.path_csv import PathCsv
 
     settings = Settings(
         tolerance=tolerance / UM_PER_MM,
@@ -145,8 +153,15 @@ def simulate(
         rate=float(rate),
         machine=None if plant is None else read_printer(find_file(plant)),
     )
-    pictures = Pictures(report, png)
-    simulation = _simulate(file, printer, settings, wanted, bool(methods or shapers), pictures, quiet)
+    profile = find_file(printer)
+    machine, pictures = read_printer(profile), Pictures(report, png)
+    with ExitStack() as files:
+        watchers: list[Watcher] = [*pictures.watchers]
+        if csv_to:
+            watchers.append(PathCsv(files.enter_context(writing(csv_to)).write))
+        with named(file, str(profile)):
+            simulation = _simulate(file, machine, settings, wanted, bool(methods or shapers), watchers, quiet)
+    pictures.write(file, simulation, machine, wanted.machine or machine, settings)
     if not quiet:
         click.echo(simulation.text(), err=True)
     if json_to:
@@ -155,23 +170,21 @@ def simulate(
 
 def _simulate(
     file: str,
-    printer: str | None,
+    machine: Printer,
     settings: Settings,
     wanted: Wanted,
     chosen: bool,
-    pictures: Pictures,
+    watchers: Sequence[Watcher],
     quiet: bool,
 ) -> Simulation:
-    """Read the file as often as needed, simulate it, and draw it."""
+    """Read the file as often as needed, and simulate it."""
     from dataclasses import replace
 
     from fbfcli.gcode.scan import chunks
     from fbfcli.gcode.stamp import looked_into
     from fbfcli.pipeline.simulate import simulate as run
 
-    profile = find_file(printer)
-    machine = read_printer(profile)
-    with rereading(file) as (again, size), named(file, str(profile)):
+    with rereading(file) as (again, size):
         if looked_into(chunks(again()))[0]:
             if chosen or wanted.accelerations != (None,) or settings.velocity is not None:
                 raise click.UsageError(
@@ -190,7 +203,6 @@ def _simulate(
             return chunks(again())
 
         with fraction_bar(file, quiet) as bar:
-            whole = max(size * wanted.passes, 1)
-            simulation = run(texts, machine, settings, wanted, lambda done: bar(done / whole), pictures.watchers)
-        pictures.write(file, simulation, machine, wanted.machine or machine, settings)
-        return simulation
+            return run(
+                texts, machine, settings, wanted, lambda done: bar(done / max(size * wanted.passes, 1)), watchers
+            )

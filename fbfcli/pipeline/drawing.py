@@ -51,6 +51,8 @@ class Drawing:
         others = like._accounts if like else [None] * len(under)
         self._accounts = [Account(self.marks.features, other) for other in others]
         self._motors = Motors(machine, dt, watch=self._carry)
+        for watcher in watchers:
+            watcher.begin(name, self.marks.features)
 
     def stretches(self, part: Stretches) -> None:
         """More of a compensated file."""

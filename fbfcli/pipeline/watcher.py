@@ -13,6 +13,9 @@ from fbfcli.verify.passage import Passage
 class Watcher(Protocol):
     """Told, method after method, what the machine draws as it is modelled; verify.traces.Traces is one."""
 
+    def begin(self, name: str, features: Sequence[str]) -> None:
+        """A method begins; names of what is printed, by number: more may come while the file is read."""
+
     def add(self, name: str, passage: Passage) -> None:
         """More of what the machine makes of a method."""
 

@@ -86,6 +86,10 @@ class Traces:
         self._extrudes: set[str] = set()
         self._dt = 0.0
 
+    def begin(self, name: str, features: Sequence[str]) -> None:
+        """A method begins; what the features are called is told with the figures."""
+        self._curves.setdefault(name, _Curves())
+
     def add(self, name: str, passage: Passage) -> None:
         """More of what the machine makes of a method."""
         if not len(passage):
