@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,14 +17,10 @@ if TYPE_CHECKING:
     from fbfcli.verify.traces import Traces
 
 
-def picture_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """--report and --png."""
-    for option in (
-        click.option("--png", metavar="FILE", help="Draw the worst corner, before and after."),
-        click.option("--report", metavar="FILE", help="Write a page to look at: layers, corners, curves, tables."),
-    ):
-        command = option(command)
-    return command
+report_option = click.option(
+    "--report", metavar="FILE", help="Write a page to look at: layers, corners, curves, tables."
+)
+png_option = click.option("--png", metavar="FILE", help="Draw the worst corner, before and after.")
 
 
 class Pictures:

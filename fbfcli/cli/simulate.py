@@ -13,7 +13,7 @@ from fbfcli.cli.files import DASH, check_targets, one_stream, rereading, writing
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import METHODS, PERCENT, UM_PER_MM
 from fbfcli.cli.options import Number, Numbers, json_option, printer_option, quiet_option
-from fbfcli.cli.pictures import Pictures, picture_options
+from fbfcli.cli.pictures import Pictures, png_option, report_option
 from fbfcli.cli.telling import fraction_bar, named, tell_json
 
 if TYPE_CHECKING:
@@ -91,7 +91,8 @@ class Names(click.ParamType):
     "--tolerance", type=Number(0.1, 1000), default=5.0, show_default=True, metavar="UM", help="As in `fbf compensate`."
 )
 @click.option("--segments", type=Number(min=10), metavar="PER_S", help="As in `fbf compensate`.")
-@picture_options
+@report_option
+@png_option
 @click.option(
     "--csv", "csv_to", metavar="FILE", help="Write where the nozzle goes, sample by sample; - is standard output."
 )

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from fbfcli.gcode.marks import Marks
+from fbfcli.motion.moves import E, Z
 from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.executions import Executions
 from fbfcli.pipeline.machine import Condition, plants_of
@@ -48,8 +50,8 @@ class Drawing:
         self.marks = Marks()
         self._executions = Executions(self.marks, designs, dt, shaping)
         self._passages = [Passages(plants_of(designs, condition, dt)) for condition in under]
-        others = like._accounts if like else [None] * len(under)
-        self._accounts = [Account(self.marks.features, other) for other in others]
+        others: Sequence[Account | None] = like._accounts if like else [None] * len(under)
+        self._accounts: list[Account] = [Account(self.marks.features, other) for other in others]
         self._motors = Motors(machine, dt, watch=self._carry)
         for watcher in watchers:
             watcher.begin(name, self.marks.features)
@@ -60,6 +62,13 @@ class Drawing:
         for watcher in self._watchers:
             watcher.segments(self._name, self._executions.starts)
         self._draw(execution)
+
+    def sliced(self, part: Stretches) -> None:
+        """The same, were the machine asked for what is desired."""
+        whole = self._executions.of_stretches(part)
+        pushed = whole.motion[:, E] if whole.filament is None else whole.filament
+        motion = np.column_stack([whole.desired, whole.motion[:, Z], pushed])
+        self._draw(replace(whole, command=whole.desired, motion=motion, filament=None))
 
     def track(self, track: Track) -> None:
         """More of a file as it is written."""

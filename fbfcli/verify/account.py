@@ -93,7 +93,7 @@ class Account:
         self._beads: Beads | None = None
         self._bead_tally = BeadTally()
         self._ringing, self._corners = Ringing(), CornerTally(features)
-        self._walls = Walls(features, like and like._walls)
+        self._walls: Walls = Walls(features, like._walls if like else None)
 
     def add(self, passage: Passage | None) -> tuple[Corner, ...]:
         """Count a passage; the corners that are final with it."""
