@@ -70,9 +70,11 @@ def simulate(
     for acceleration in wanted.accelerations:
         how = settings if acceleration is None else replace(settings, acceleration=acceleration)
         check_ceilings(printer, how)
+        first: Drawing | None = None
         for method in wanted.methods:
             seeing = watchers if acceleration == wanted.accelerations[0] else ()
-            one = _Pass(method, printer, machine, under, how, 1.0 / wanted.rate, seeing)
+            one = _Pass(method, printer, machine, under, how, 1.0 / wanted.rate, seeing, first)
+            first = first or one.drawing
             results.append(one.run(reading))
     marks = one.marks
     return Simulation(
@@ -106,6 +108,7 @@ class _Pass:
         settings: Settings,
         dt: float,
         watchers: Sequence[Watcher],
+        first: Drawing | None,
     ):
         self._name, self._printer, self._settings, self._dt = name, printer, settings, dt
         shaper = name.removeprefix(FIRMWARE)
@@ -116,8 +119,8 @@ class _Pass:
         shaping = None
         if self._in_firmware:
             shaping = InputShaping([impulses(shaper, one.frequency, one.damping) for one in self._made_for], dt)
-        self._drawing = Drawing(name, machine, under, dt, watchers, shaping)
-        self.marks = self._drawing.marks
+        self.drawing = Drawing(name, machine, under, dt, watchers, shaping, first)
+        self.marks = self.drawing.marks
 
     def run(self, text: Iterable[bytes]) -> Simulated:
         """Everything of it."""
@@ -132,7 +135,7 @@ class _Pass:
         reader, timeline = Reader(self._printer, settings, as_written=True), Timeline(self._dt)
         for portion in reader.portions(chunks, lambda read: None):
             track, _ = timeline.part(portion.part, portion.inside, None, portion.lines)
-            self._drawing.track(track)
+            self.drawing.track(track)
         return self._told(AS_WRITTEN, "", timeline.time, tuple(reader.warnings))
 
     def _compensated(self, chunks: Iterable[bytes]) -> Simulated:
@@ -142,13 +145,13 @@ class _Pass:
             x, y = ((one.frequency, one.damping) for one in self._made_for)
             settings = replace(settings, shaped=(x, y))
         done = compensate(
-            chunks, self._printer, settings, lambda text: None, lambda read: None, self._drawing.stretches
+            chunks, self._printer, settings, lambda text: None, lambda read: None, self.drawing.stretches
         )
         told = done.summary
         return replace(self._told(told.method, told.why, told.time, told.warnings), compensated=told)
 
     def _told(self, method: str, why: str, time: float, warnings: tuple[str, ...]) -> Simulated:
-        figures, motors = self._drawing.finish()
+        figures, motors = self.drawing.finish()
         return Simulated(
             name=self._name,
             method=method,
