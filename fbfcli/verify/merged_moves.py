@@ -10,6 +10,7 @@ from fbfcli.motion.budget import MARLIN_STEPS
 from fbfcli.motion.kinematics import Kinematics
 from fbfcli.motion.moves import Moves
 
+E_STEPS_PER_MM = 100.0  # of a direct extruder without gears, the fewest that are usual
 SET_MM = 1e-6  # a move that starts further from where the one before ended: the position was set (homing)
 
 
@@ -18,11 +19,11 @@ class Merging:
 
     motors         : of the toolhead's axes; None: they are the axes
     steps_per_mm   : of each motor
-    e_steps_per_mm : of filament; None: E makes no steps
+    e_steps_per_mm : of filament; None: the profile does not say, E_STEPS_PER_MM
     """
 
     def __init__(self, motors: Kinematics | None, steps_per_mm: tuple[float, ...], e_steps_per_mm: float | None):
-        self._motors, self._rates = motors, np.array([*steps_per_mm, e_steps_per_mm or 0.0])
+        self._motors, self._rates = motors, np.array([*steps_per_mm, e_steps_per_mm or E_STEPS_PER_MM])
         self._end: np.ndarray | None = None  # of the last move, queued or not [mm]
         self._queued = np.zeros(4)  # where the last queued one ended [mm]
         self._stop = False  # there was a stop before a move that was not queued
