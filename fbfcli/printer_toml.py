@@ -8,6 +8,7 @@ from itertools import pairwise
 from math import inf, nan, radians
 
 from fbfcli.errors import ProfileError
+from fbfcli.motor_toml import check_motors, load, motor
 from fbfcli.printer import (
     FIRMWARES,
     KINEMATICS,
@@ -59,13 +60,16 @@ def parse_printer(text: str, file: str, read: Read | None = None) -> Printer:
     thickest = 4.0 * nozzle**2 if firmware == "klipper" else inf
     axes = whole.table("axis").only("x", "y", "z", "e")
     limits = _limits(whole.table("limits"), axes, firmware)
+    kinematics = about.choice("kinematics", KINEMATICS)
+    built = (_axis(axes.table("x"), 0, limits, read), _axis(axes.table("y"), 1, limits, read),
+             _axis(axes.table("z"), 2, limits, read))
+    check_motors(axes, built, kinematics)
     return Printer(
         name=about.text("name"),
         source=about.text("source", "not stated"),
         firmware=firmware,
-        kinematics=about.choice("kinematics", KINEMATICS),
-        axes=(_axis(axes.table("x"), 0, limits, read), _axis(axes.table("y"), 1, limits, read),
-              _axis(axes.table("z"), 2, limits, read)),
+        kinematics=kinematics,
+        axes=built,
         limits=limits,
         segments_per_second=about.number("segments_per_second", SEGMENTS_PER_SECOND[firmware]),
         nozzle_diameter=nozzle,
@@ -145,7 +149,7 @@ def _axis(table: Table, index: int, limits: Limits, read: Read | None) -> Axis:
     """One of X, Y, Z; the keys that Limits takes are checked there. Z is never compensated and has no model."""
     name = "XYZ"[index]
     table.only("travel", "steps_per_mm", "max_velocity", "max_acceleration", "jerk", "command_velocity",
-               "command_acceleration", *(["model", "uncertainty", "at"] if name != "Z" else []))
+               "command_acceleration", "motor", "load", *(["model", "uncertainty", "at"] if name != "Z" else []))
     travel = table.numbers("travel", "travel = [0, 200]")
     if len(travel) != 2:
         table.refuse("travel", "must be two numbers", "lowest and highest position: travel = [0, 200]")
@@ -158,15 +162,18 @@ def _axis(table: Table, index: int, limits: Limits, read: Read | None) -> Axis:
         return _model(inner, read)
 
     at = places(table, model_of) if "at" in table.values else ()
+    steps_per_mm = table.number("steps_per_mm")
     return Axis(
         name=name,
         travel=(travel[0], travel[1]),
-        steps_per_mm=table.number("steps_per_mm"),
+        steps_per_mm=steps_per_mm,
         command_velocity=table.number("command_velocity", COMMAND_VELOCITY_FACTOR * velocity),
         command_acceleration=table.number("command_acceleration", COMMAND_ACCELERATION_FACTOR * acceleration),
         model=model_of(table.table("model")) if "model" in table.values else at[0].model if at else None,
         uncertainty=uncertainty(table, model_of) if "uncertainty" in table.values else None,
         at=at,
+        motor=motor(table, steps_per_mm) if "motor" in table.values else None,
+        load=load(table) if "load" in table.values else None,
     )
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
 import stat
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -31,6 +32,26 @@ def reading(name: str) -> Iterator[BinaryIO]:
         raise FbfError(f"{name}: is a directory, not a file")
     with path.open("rb") as stream:
         yield stream
+
+
+@contextmanager
+def rereading(name: str) -> Iterator[tuple[Callable[[], BinaryIO], int]]:
+    """What gives a file from its beginning as often as it is asked, and its size; a pipe's text is kept meanwhile.
+
+    Raises FbfError where there is nothing to read.
+    """
+    with ExitStack() as files:
+        source = files.enter_context(reading(name))
+        if name == DASH or not Path(name).is_file():
+            kept = files.enter_context(tempfile.TemporaryFile())
+            shutil.copyfileobj(source, kept)
+            source = kept  # type: ignore[assignment]
+
+        def again() -> BinaryIO:
+            source.seek(0)
+            return source
+
+        yield again, source.seek(0, os.SEEK_END)
 
 
 def is_stream(name: str) -> bool:

@@ -18,6 +18,16 @@ class Number(click.FloatRange):
         return number
 
 
+class Numbers(click.ParamType):
+    """Positive numbers, with commas between them."""
+
+    name = "numbers"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
+        one = Number(min=0, min_open=True)
+        return tuple(dict.fromkeys(one.convert(word.strip(), param, ctx) for word in str(value).split(",")))
+
+
 printer_option = click.option(
     "-p", "--printer", metavar="NAME|FILE", help="Printer profile (else FBF_PRINTER, else ~/.config/fbf/printer.toml)."
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ class Stretches:
     goes_on    : bool                              the last stretch goes on in the next ones
     desired, command : ndarray, shape (n, 2)       [mm]
     extruding  : ndarray of bool, shape (n,)
+    line       : ndarray of int, shape (n,)        line of the file that asks for each sample, counted from 0
     first      : ndarray of int, shape (s,)        first segment of each
     start, delta : ndarray, shape (k, 4)           segments as written [mm]
     distance   : ndarray, shape (k,)
@@ -35,6 +36,7 @@ class Stretches:
     late       : float                             how late the first starts [s]
     dt         : float
     place      : ndarray of int, shape (n,)        where the print is; None: the plants hold everywhere
+    filament   : ndarray, shape (n,)               E as sliced [mm]; None: that of the segments
     """
 
     begin: np.ndarray
@@ -45,6 +47,7 @@ class Stretches:
     desired: np.ndarray
     command: np.ndarray
     extruding: np.ndarray
+    line: np.ndarray
     first: np.ndarray
     start: np.ndarray
     delta: np.ndarray
@@ -54,35 +57,69 @@ class Stretches:
     late: float
     dt: float
     place: np.ndarray | None = None
+    filament: np.ndarray | None = None
 
     def positions(self, columns: slice = slice(2)) -> np.ndarray:
         """What the planner model executes, on the samples, shape (n, k): X and Y, or these of X Y Z E."""
-        t0 = self._starts(self.executed.duration)
-        if self.begun:
-            t0[: self._counts[0]] += self.late
+        t0 = self.starts()
         start, delta = self.start[:, columns], self.delta[:, columns]
         x, _ = sample(start, delta, self.distance, self.executed, t0, len(self.desired), self.dt)
         new = slice(1 if self.begun else 0, None)
         x[self.begin[new]] = start[self.first[new]]
         return x
 
+    def finer(self, times: int) -> Stretches:
+        """The same on samples `times` closer: what is executed is known in between, the rest is linear, or holds on."""
+        if times == 1:
+            return self
+        length = times * (self.end - self.begin)
+        begin = np.cumsum(length + 1) - length - 1
+        after = np.arange(length.sum() + len(length)) - np.repeat(begin, length + 1)
+        old = np.repeat(self.begin, length + 1) + after // times
+        part = after % times / times
+        following = np.minimum(old + 1, len(self.desired) - 1)
+
+        def linear(x: np.ndarray) -> np.ndarray:
+            return x[old] + (part if x.ndim == 1 else part[:, None]) * (x[following] - x[old])
+
+        return replace(
+            self,
+            begin=begin,
+            end=begin + length,
+            rest=times * self.rest,
+            desired=linear(self.desired),
+            command=linear(self.command),
+            extruding=self.extruding[old],
+            line=self.line[old],
+            dt=self.dt / times,
+            place=None if self.place is None else self.place[old],
+            filament=None if self.filament is None else linear(self.filament),
+        )
+
+    def starts(self) -> np.ndarray:
+        """When each segment begins as it is executed, from sample 0 on, shape (k,) [s]."""
+        t0 = self._starting(self.executed.duration)
+        if self.begun:
+            t0[: self.counts[0]] += self.late
+        return t0
+
     def polyline(self) -> np.ndarray:
         """X and Y that the written segments stand for: each at constant speed, in its wanted time, shape (n, 2)."""
-        start, last = self.start[:, :2], np.cumsum(self._counts) - 1
-        node = np.rint(self._starts(self.wanted) / self.dt).astype(np.int64)
+        start, last = self.start[:, :2], np.cumsum(self.counts) - 1
+        node = np.rint(self._starting(self.wanted) / self.dt).astype(np.int64)
         hats = Polyline(np.insert(node, last + 1, self.end), np.zeros(len(node) + len(last), dtype=bool))
         values = np.insert(start, last + 1, start[last] + self.delta[last, :2], axis=0)
         return np.column_stack([hats.curve(values[:, axis]) for axis in range(2)])
 
     @property
-    def _counts(self) -> np.ndarray:
+    def counts(self) -> np.ndarray:
         """Segments of each stretch."""
         return np.diff(np.append(self.first, len(self.distance)))
 
-    def _starts(self, duration: np.ndarray) -> np.ndarray:
+    def _starting(self, duration: np.ndarray) -> np.ndarray:
         """When each segment begins if each stretch does so on time, shape (k,) [s]."""
         elapsed = np.cumsum(duration) - duration
-        return elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], self._counts)
+        return elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], self.counts)
 
 
 class Tally:
