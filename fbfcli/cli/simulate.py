@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from fbfcli.printer import Printer
 
 BEFORE_AND_AFTER = ("none", "auto")
-AS_WRITTEN = ("none",)
+AS_WRITTEN = ("as written",)
 KLIPPER_SHAPERS = ("zv", "mzv", "ei", "2hump_ei", "3hump_ei")
 MOST_RATE, TRAJECTORY_HZ = 10_000, 1000
 
@@ -198,7 +198,7 @@ def _simulate(
                     "(simulate the original to see them against the part)",
                     err=True,
                 )
-            wanted = replace(wanted, methods=AS_WRITTEN)
+            wanted = replace(wanted, methods=AS_WRITTEN, stamped=True)
 
         def texts() -> Iterator[bytes]:
             return chunks(again())
