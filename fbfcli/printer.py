@@ -158,6 +158,7 @@ class Axis:
     command_acceleration  : highest acceleration a compensated command may have [mm/s^2]
     uncertainty           : how far the axis may be from its model; None: nobody has said
     at                    : models at several places, all told by the same coordinates; the model changes between them
+    coupling              : what the command of the other of X and Y adds to the position; it stands where that one does
     motor                 : the one that steps_per_mm is of; None: nobody has said
     load                  : of what moves along the axis; there if a motor is
     """
@@ -170,6 +171,7 @@ class Axis:
     model: Model | None = None
     uncertainty: Spread | Family | None = None
     at: tuple[Place, ...] = ()
+    coupling: ModalModel | TransferFunction | None = None
     motor: Motor | None = None
     load: Load | None = None
 

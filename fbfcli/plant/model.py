@@ -52,15 +52,18 @@ def plant_of(model: Model, dt: float, axis: str) -> Plant:
     Raises ModelError: unstable or marginal poles, DC gain off one by more than 2 %, non-finite coefficients,
     a period the model cannot be brought to, a response without phase, an impulse response beyond 20,000 samples.
     """
+    return _checked(*coefficients(model, dt, axis), dt, axis)
+
+
+def coefficients(model: Model, dt: float, axis: str) -> tuple[np.ndarray, np.ndarray]:
+    """b, a of a model at period `dt` [s], as they come. Raises ModelError."""
     if isinstance(model, ModalModel):
-        b, a = _first_order_hold(model, dt)
-    elif isinstance(model, TransferFunction):
-        b, a = _resampled(model, dt, axis)
-    elif isinstance(model, ImpulseResponse):
-        b, a = _resampled_fir(model, dt), np.ones(1)
-    else:
-        b, a = _fir_of_response(model, dt, axis), np.ones(1)
-    return _checked(b, a, dt, axis)
+        return _first_order_hold(model, dt)
+    if isinstance(model, TransferFunction):
+        return _resampled(model, dt, axis)
+    if isinstance(model, ImpulseResponse):
+        return _resampled_fir(model, dt), np.ones(1)
+    return _fir_of_response(model, dt, axis), np.ones(1)
 
 
 def impulse_response(plant: Plant, tolerance: float = TOLERANCE) -> np.ndarray:

@@ -12,7 +12,7 @@ from fbfcli.verify.execution import Execution
 from fbfcli.verify.heading import Heading, along_and_across
 from fbfcli.verify.held_back import HeldBack, Ready
 from fbfcli.verify.passage import Passage
-from fbfcli.verify.simulate import BA, Nozzle
+from fbfcli.verify.simulate import BA, Coupling, Nozzle
 
 NOT_ROWS = ("dt", "begin", "rest", "goes_on")  # of an execution
 NO_BEGIN = -1  # in the column that says how long a rest there is before a stretch
@@ -21,13 +21,14 @@ NO_BEGIN = -1  # in the column that says how long a rest there is before a stret
 class Passages:
     """What one machine makes of an execution that comes in pieces.
 
-    plants : (b, a) of X and Y, or what gives them for a place
+    plants   : (b, a) of X and Y, or what gives them for a place
+    coupling : what the other axis' command adds to X and to Y, as of `Nozzle`
 
     Its pieces are cut elsewhere: samples near a cut are held back until there is path on both sides of them.
     """
 
-    def __init__(self, plants: Sequence[BA] | Callable[[int], Sequence[BA]]):
-        self._nozzle = Nozzle(plants)
+    def __init__(self, plants: Sequence[BA] | Callable[[int], Sequence[BA]], coupling: Coupling = (None, None)):
+        self._nozzle = Nozzle(plants, coupling)
         self._held: HeldBack | None = None
         self._heading: Heading | None = None
         self._names: tuple[str, ...] = ()  # of the columns

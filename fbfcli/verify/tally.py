@@ -12,7 +12,7 @@ from fbfcli.motion.profile import Profile
 from fbfcli.motion.sample import sample
 from fbfcli.verify.contour_error import ErrorTally, contour_error, reach
 from fbfcli.verify.held_back import HeldBack, Ready
-from fbfcli.verify.simulate import BA, Nozzle
+from fbfcli.verify.simulate import BA, Coupling, Nozzle
 
 STRIDE = 4  # samples between those whose contour error is measured
 
@@ -126,6 +126,7 @@ class Tally:
     """What the written file does on the printer's own model, so far.
 
     plants : (b, a) of X and Y, or what gives them for a place
+    coupling : what the other axis' command adds to X and to Y, as of `Nozzle`
     watch  : told of everything that is added
     follow, chord : what is executed against the polyline that is written, and that against the command
     before, after : errors of the nozzle uncompensated and compensated
@@ -135,9 +136,10 @@ class Tally:
         self,
         plants: Sequence[BA] | Callable[[int], Sequence[BA]],
         watch: Callable[[Stretches], None] = lambda part: None,
+        coupling: Coupling = (None, None),
     ):
         self._watch = watch
-        self._uncompensated, self._compensated = Nozzle(plants), Nozzle(plants)
+        self._uncompensated, self._compensated = Nozzle(plants, coupling), Nozzle(plants, coupling)
         self._held: HeldBack | None = None
         self.follow, self.chord, self.before, self.after = (ErrorTally() for _ in range(4))
         self.segments = 0

@@ -10,7 +10,8 @@ from fbfcli.verify.heading import Heading
 from fbfcli.verify.held_back import Rows
 from fbfcli.verify.passage import Passage
 
-OUTER = ("external perimeter", "outer wall", "wall-outer", "outer perimeter", "perimeter", "shell-outer")  # lower case
+OUTER = ("external perimeter", "outer wall", "wall-outer", "outer perimeter", "shell-outer")  # what is seen of a part
+PERIMETER = ("perimeter", "loop", "inner wall", "wall-inner", "inner perimeter", "shell-inner")  # or nearly so
 STEP = 0.05  # mm: points of a profile
 SAME = 2.0  # mm: ends of a line that another method samples at other points of it
 BEND = 1e-3  # rad: directions of one straight line differ by no more
@@ -60,7 +61,8 @@ class Wall:
 class Walls:
     """The longest straight wall across X, and that across Y, of a print that comes in pieces.
 
-    features : names of what is printed, as far as they are known; an outer wall is taken before anything else
+    features : names of what is printed, as far as they are known; an outer wall is taken before other walls, these
+               before anything else
     like     : of another method, ahead of this one or in step with it: the same walls are looked for
     """
 
@@ -94,7 +96,7 @@ class Walls:
         """Keep the best lines, from `starts` to before `ends` (k,)."""
         desired, _, heading, extruding, _, _, _, feature, _ = rows
         length = np.hypot(*(desired[ends - 1] - desired[starts]).T)
-        outer = np.array([name.lower() in OUTER for name in self._features])[feature[starts]]
+        outer = np.array([_seen(name) for name in self._features])[feature[starts]]
         axis = (np.abs(heading[ends - 1, 0]) > np.abs(heading[ends - 1, 1])).astype(np.int64)
         fit = extruding[starts] & (length > 2 * SAMPLING_LENGTHS * STEP)
         if self._like is not None:
@@ -106,7 +108,7 @@ class Walls:
                 continue
             best = int(of[np.lexsort((-starts[of], np.round(length[of], 3), outer[of]))[-1]])
             had = self._found.get(each)
-            if had is None or (bool(outer[best]), length[best] - STEP) > (self._is_outer(had), had.length):
+            if had is None or (outer[best], length[best] - STEP) > (_seen(self._features[had.feature]), had.length):
                 self._found[each] = _wall(rows, each, int(starts[best]), int(ends[best]))
 
     def _look_for(self, walls: tuple[Wall, ...], rows: Rows, starts: np.ndarray, ends: np.ndarray) -> None:
@@ -118,8 +120,10 @@ class Walls:
             if len(same):
                 self._found[wall.axis] = _wall(rows, wall.axis, int(starts[same[0]]), int(ends[same[0]]))
 
-    def _is_outer(self, wall: Wall) -> bool:
-        return self._features[wall.feature].lower() in OUTER
+
+def _seen(feature: str) -> int:
+    """How much of the surface a feature is: the more, the rather it is shown."""
+    return 2 * (feature.lower() in OUTER) + (feature.lower() in PERIMETER)
 
 
 def _starts(heading: np.ndarray, extruding: np.ndarray, begins: np.ndarray) -> np.ndarray:

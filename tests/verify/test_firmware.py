@@ -17,6 +17,8 @@ from scalar_queue import marlin_times, steps_kept
 
 from fbfcli.cli.lookup import bundled
 from fbfcli.motion.planner import Part, Planner, divided
+from fbfcli.pipeline import Settings
+from fbfcli.pipeline.reader import Reader
 from fbfcli.printer import Limits, Printer
 from fbfcli.verify.block_queue import BlockQueue, Queue
 from fbfcli.verify.firmware import QueuePlanner, planner_of
@@ -138,6 +140,40 @@ def test_moves_of_a_few_steps_merge_into_the_next(moves, sizes, rate):
     stops = np.concatenate([each.stop for each, _ in found])
     before = [moves.stop[a + 1 : b + 1].any() for a, b in pairwise(np.append(-1, kept))]
     np.testing.assert_array_equal(stops, before)
+
+
+def test_klipper_takes_a_square_corner_as_by_hand():
+    """50 mm along X, 50 mm along Y at 100 mm/s, a = 3000, corner 5 mm/s: ramps of 100 / a and 95 / a."""
+    printer = replace(marlin(), firmware="klipper")
+    limits = Limits(velocity=300.0, acceleration=3000.0, square_corner_velocity=5.0, minimum_cruise_ratio=0.0)
+    timing = fed(planner_of(printer), moves_of([[50.0, 0, 0, 0], [0, 50.0, 0, 0]], 100.0, limits))[0].profile
+    ramps = 100.0**2 / 6000.0 + (100.0**2 - 5.0**2) / 6000.0
+    wanted = 100.0 / 3000.0 + 95.0 / 3000.0 + (50.0 - ramps) / 100.0
+    np.testing.assert_allclose(timing.duration, wanted, rtol=0, atol=1e-12)
+    np.testing.assert_allclose([timing.v_end[0], timing.v_start[1]], 5.0)
+
+
+STOPS = ("G4 P1", "M400", "G28", "SET_INPUT_SHAPER SHAPER_FREQ_X=0", "T1")
+PASSES = (
+    "M204 S900",
+    "SET_VELOCITY_LIMIT ACCEL=900",
+    "M106 S90",
+    "M117 Hello",
+    "G92 E0",
+    "SET_PRESSURE_ADVANCE ADVANCE=0",
+)
+
+
+@pytest.mark.parametrize("line, stops", [*((line, True) for line in STOPS), *((line, False) for line in PASSES)])
+def test_klipper_stops_where_its_rules_say(line, stops):
+    """Straight on along X with a command between: at full speed, or from a halt to a halt."""
+    printer = bundled()["synthetic_corexy"]
+    text = f"G28\nG1 X10 Y10 F6000\nG1 X50 E1\n{line}\nG1 X60 Y10 E2\nG1 X99 E3\n".encode()
+    reader = Reader(printer, Settings(), as_written=True, planner=planner_of(printer))
+    parts = [portion.part for portion in reader.portions([text], lambda done: None)]
+    after = np.concatenate([part.profile.v_start for part in parts])
+    at = np.concatenate([part.moves.line for part in parts])
+    assert (after[at == 4][0] == 0.0) == stops
 
 
 def marlin() -> Printer:
