@@ -72,7 +72,8 @@ def sweep_rows(printer: Printer) -> list[str]:
     """Print time against error."""
     told = simulated(SWEPT_PART, printer, Wanted(methods=SWEPT, accelerations=SWEEP))
     lines = [f"### {printer.name}: print time against contour error of {SWEPT_PART}, um (RMS / 99 %)", "",
-             "| mm/s² | " + " | ".join(f"`{method}`" for method in SWEPT) + " |", "|---" * (1 + len(SWEPT)) + "|"]  # fmt: skip
+             "| mm/s² | " + " | ".join(f"`{method}`" for method in SWEPT) + " |",
+             "|---" * (1 + len(SWEPT)) + "|"]  # fmt: skip
     for acceleration in SWEEP:
         cells = [
             f"{clock(one.time)}: {error.rms:.1f} / {error.p99:.0f}"
