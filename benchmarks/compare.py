@@ -65,7 +65,7 @@ def method_rows(name: str, printer: Printer) -> list[str]:
         cells = [f"{error:.1f}" for one in found for error in errors(one)]
         time = clock(sum(one.time for one in found))
         lines.append(f"| `{method}`{f' ({made})' if made else ''} | {time} | {' | '.join(cells)} |")
-    return [*lines, "", *([f"Not applicable to this model: {', '.join(refused)}."] if refused else [])]
+    return [*lines, "", *([f"Not applicable to this model: {', '.join(refused)}.", ""] if refused else [])]
 
 
 def sweep_rows(printer: Printer) -> list[str]:
@@ -91,7 +91,7 @@ def tables() -> str:
     for name in PRINTERS:
         printer = bundled()[name]
         lines += [*method_rows(name, printer), *sweep_rows(printer), ""]
-    return "\n".join(lines)
+    return "\n".join(lines).rstrip()
 
 
 def main() -> None:
