@@ -1,17 +1,12 @@
 """Planners with the queue they really have: an oracle that goes from event to event, and cases by hand."""
 
-import sys
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "motion"))
-
 from random_moves import moves_of, paths
 from scalar_queue import marlin_times, steps_kept
 
@@ -40,7 +35,7 @@ def durations(parts: list[Part]) -> np.ndarray:
     return np.concatenate([part.profile.duration for part in parts])
 
 
-@settings(max_examples=150)
+@settings(max_examples=80)
 @given(
     paths(max_size=60, junction_deviation=np.nan) | paths(max_size=60, junction_deviation=0.02),
     st.sampled_from((4, 8, 16)),
