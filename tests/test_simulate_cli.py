@@ -49,7 +49,7 @@ def test_before_and_after_are_told_and_nothing_is_written(part, capsys):
 
 
 def test_json_is_the_same_in_a_file_and_on_standard_output(part, capsys):
-    in_file = figures(part, "-m", "none,zv", "--mismatch", "10", "--accel", "1000,4000")
+    in_file = figures(part, "-m", "none,zv", "--mismatch", "10%", "--accel", "1000,4000")
     capsys.readouterr()
     assert run(part, "-m", "none,zv", "--mismatch", 10, "--accel", "1000,4000", "--json", "-", "-q") == 0
     assert json.loads(capsys.readouterr().out) == in_file
@@ -127,7 +127,7 @@ def test_quiet_is_silent(part, capsys):
     (("--mismatch", "60"), "not in the range"),
     (("--rate", "1500"), "whole thousands"),
     (("--rate", "500"), "not in the range"),
-    (("--csv", "-", "--json", "-"), "both go to standard output"),
+    (("--csv", "-", "--json", "-"), "two things would go to standard output"),
     (("--cvs", "x"), "No such option"),
 ])  # fmt: skip
 def test_a_wrong_command_line_is_told(part, capsys, words, told):

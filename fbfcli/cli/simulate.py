@@ -27,6 +27,7 @@ BEFORE_AND_AFTER = ("none", "auto")
 AS_WRITTEN = ("as written",)
 KLIPPER_SHAPERS = ("zv", "mzv", "ei", "2hump_ei", "3hump_ei")
 MOST_RATE, TRAJECTORY_HZ = 10_000, 1000
+MOST_MISMATCH = 50.0  # %
 
 
 class Names(click.ParamType):
@@ -57,8 +58,8 @@ class Names(click.ParamType):
 )
 @click.option(
     "--mismatch",
-    type=Number(0, 50, min_open=True),
-    metavar="PERCENT",
+    type=Numbers(MOST_MISMATCH),
+    metavar="PERCENT,…",
     help="Also on a machine whose frequencies are off by this in either direction, and its dampings by a half and two.",
 )
 @click.option(
@@ -102,7 +103,7 @@ def simulate(
     file: str,
     printer: str | None,
     methods: tuple[str, ...] | None,
-    mismatch: float | None,
+    mismatch: tuple[float, ...] | None,
     accel: tuple[float, ...] | None,
     velocity: float | None,
     rate: int,
@@ -125,7 +126,7 @@ def simulate(
     \b
     fbf simulate part.gcode -p synthetic_bed_slinger                    before and after
     fbf simulate part.gcode -p taz6 -m none,mzv,ei,lpfbs,contour        method against method
-    fbf simulate part.gcode -p taz6 --mismatch 10                       if the machine is not as modelled
+    fbf simulate part.gcode -p taz6 --mismatch 10%                      if the machine is not as modelled
     fbf simulate part.gcode -p taz6 --accel 1000,3000,10000             print time against error
     fbf simulate part.gcode -p taz6 --report part.html --png part.png   to look at
     fbf simulate -p taz6 --json - part.fbf.gcode | jq .results
@@ -150,7 +151,7 @@ def simulate(
     wanted = Wanted(
         methods=(methods or BEFORE_AND_AFTER) + tuple(FIRMWARE + name for name in shapers or ()),
         accelerations=accel or (None,),
-        mismatch=None if mismatch is None else mismatch / PERCENT,
+        mismatches=tuple(one / PERCENT for one in mismatch or ()),
         rate=float(rate),
         machine=None if plant is None else read_printer(find_file(plant)),
     )

@@ -20,7 +20,7 @@ class BeforeAfter:
     """What the printer's own model draws, as modelled. As sliced, stretches are executed as they are desired."""
 
     def __init__(self, printer: Printer, settings: Settings, watchers: Sequence[Watcher]):
-        self._printer, self._settings, self._under = printer, settings, conditions(None)
+        self._printer, self._settings, self._under = printer, settings, conditions(())
         name = WRITTEN if settings.method == SLICED else settings.method
         self._names = SLICED, name
         self._sliced = Drawing(SLICED, printer, self._under, settings.dt, watchers)

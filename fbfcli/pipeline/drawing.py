@@ -15,6 +15,7 @@ from fbfcli.pipeline.machine import Condition, plants_of
 from fbfcli.pipeline.settings import Settings
 from fbfcli.pipeline.timeline import Track
 from fbfcli.pipeline.watcher import Watcher
+from fbfcli.plant.coupling import coupling
 from fbfcli.printer import Printer
 from fbfcli.verify.account import Account, Accounted
 from fbfcli.verify.execution import Execution
@@ -49,7 +50,7 @@ class Drawing:
         self._name, self._watchers = name, watchers
         self.marks = Marks()
         self._executions = Executions(self.marks, designs, dt, shaping)
-        self._passages = [Passages(plants_of(designs, condition, dt)) for condition in under]
+        self._passages = [Passages(plants_of(designs, condition, dt), coupling(machine, dt)) for condition in under]
         others: Sequence[Account | None] = like._accounts if like else [None] * len(under)
         self._accounts: list[Account] = [Account(self.marks.features, other) for other in others]
         self._motors = Motors(machine, dt, watch=self._carry)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -24,17 +24,17 @@ class Condition:
 NOMINAL = Condition("as modelled")
 
 
-def conditions(mismatch: float | None) -> tuple[Condition, ...]:
-    """The machine as modelled; with a `mismatch` (a part of 1) its frequencies and dampings off in both directions."""
-    if mismatch is None:
+def conditions(mismatches: Sequence[float]) -> tuple[Condition, ...]:
+    """The machine as modelled; with `mismatches` (parts of 1) its frequencies and dampings off in both directions."""
+    if not mismatches:
         return (NOMINAL,)
-    return (
-        NOMINAL,
-        Condition(f"frequency -{100 * mismatch:g} %", frequency=1.0 - mismatch),
-        Condition(f"frequency +{100 * mismatch:g} %", frequency=1.0 + mismatch),
-        Condition("damping x 1/2", damping=LESS_DAMPED),
-        Condition("damping x 2", damping=MORE_DAMPED),
-    )
+    off = [
+        Condition(f"frequency {100 * part:+g} %", frequency=1.0 + part)
+        for mismatch in mismatches
+        for part in (-mismatch, mismatch)
+    ]
+    dampings = Condition("damping x 1/2", damping=LESS_DAMPED), Condition("damping x 2", damping=MORE_DAMPED)
+    return (NOMINAL, *off, *dampings)
 
 
 def plants_of(machine: Designs, condition: Condition, dt: float) -> Callable[[int], tuple[BA, BA]]:

@@ -32,7 +32,7 @@ class Wanted:
 
     methods       : names of control.design.METHODS, AUTO, or FIRMWARE and one of Klipper's shapers
     accelerations : to plan with, each in turn [mm/s^2]; None: the settings'
-    mismatch      : the machine's frequencies are off by this part too, and its dampings; None: it is as modelled
+    mismatches    : the machine's frequencies are off by these parts too, and its dampings; none: it is as modelled
     rate          : samples a second, a multiple of the trajectory's
     machine       : that draws the print; None: the printer that the text is meant for
     stamped       : the file is compensated already: the methods are but a name for executing it as it is written
@@ -40,7 +40,7 @@ class Wanted:
 
     methods: tuple[str, ...] = (AS_WRITTEN, AUTO)
     accelerations: tuple[float | None, ...] = (None,)
-    mismatch: float | None = None
+    mismatches: tuple[float, ...] = ()
     rate: float = RATE_HZ
     machine: Printer | None = None
     stamped: bool = False
@@ -67,7 +67,7 @@ def simulate(
 
     Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
     """
-    under = conditions(wanted.mismatch)
+    under = conditions(wanted.mismatches)
     results, reading = [], _Reading(open_text, progress)
     for acceleration in wanted.accelerations:
         how = settings if acceleration is None else replace(settings, acceleration=acceleration)

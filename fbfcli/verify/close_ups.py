@@ -16,6 +16,7 @@ HALF_S = 0.15  # before and after the largest error [s]
 EVERY_S = 1e-3  # samples that are closer in time are thinned to about this
 APART_MM = 2.0  # corners nearer than this in plan view are one: of a tower's, the worst layer is shown
 MARGIN_MM = 0.02  # methods sample the same path at other points of it
+WINDOWS = 60  # of the first method's corners, and of all others'; fewer corners are shown where methods are many
 LONGEST = 2.0  # times its own window that another method may need for a corner
 
 
@@ -44,7 +45,8 @@ class Window:
         return len(self.time)
 
     def __getitem__(self, rows: slice | np.ndarray) -> Window:
-        return Window(*(getattr(self, each.name)[rows] for each in fields(self)))
+        """Some of them, without the rest held in memory."""
+        return Window(*(np.array(getattr(self, each.name)[rows]) for each in fields(self)))
 
     def then(self, more: Window) -> Window:
         """This, and what came after it."""
@@ -116,11 +118,12 @@ class CloseUps:
 
     def corners(self) -> tuple[CloseUp, ...]:
         """Method by method in the order they came, the largest error first."""
-        return tuple(
-            corner
-            for name, found in self._found.items()
-            for corner in sorted(_shared(list(found.values()), self._share(name)), key=lambda one: -one.error)
-        )
+        told = []
+        for name, found in self._found.items():
+            windows = len(self._found) if name == next(iter(self._found)) else 2 * (len(self._found) - 1)  # of each
+            some = _shared(list(found.values()), min(self._share(name), WINDOWS // windows))
+            told += sorted(some, key=lambda one: -one.error)
+        return tuple(told)
 
     def _share(self, name: str) -> int:
         """Corners of a method that are kept."""

@@ -87,8 +87,10 @@ def _plan(axes: Axes, corner: CloseUp, windows: dict[str, Window], colours: dict
     for name, window in windows.items():
         axes.plot(*magnified(window, times).T, color=colours[name], linewidth=1.8, label=f"nozzle, {name}")
     larger = f", errors drawn {times} times larger" if times > 1 else ""
+    near = own.desired[np.abs(own.desired - np.array(corner.at)).max(axis=1) <= far]
+    x, y = 0.5 * (near.min(axis=0) + near.max(axis=0))
     axes.set(xlabel="X [mm]", ylabel="Y [mm]", title=f"From above{larger}", aspect="equal",
-             xlim=(corner.at[0] - far, corner.at[0] + far), ylim=(corner.at[1] - far, corner.at[1] + far))  # fmt: skip
+             xlim=(x - far, x + far), ylim=(y - far, y + far))  # fmt: skip
     axes.locator_params(nbins=6)
     axes.legend(loc="best", frameon=True, framealpha=0.85, edgecolor="none")
     _scale_bar(axes, far)

@@ -6,6 +6,7 @@
   const P = D.palette, colour = name => D.colours[D.methods.indexOf(name)];
   const CONFIG = { responsive: true, displaylogo: false, scrollZoom: true, plotlyServerURL: "", // named, so that no new one sends the plot away
     modeBarButtons: [["zoom2d", "pan2d", "resetScale2d", "toImage"]] };
+  const NEIGHBOURS = 2; // lines of the file that a point's own line may be off by
   const FAR = [1.5, 8]; // mm shown around a corner, and at least 15 times its error
 
   // ---- numbers ----
@@ -38,7 +39,7 @@
   const some = many => Object.values(many).some(one => one && (!Array.isArray(one) || one.some(Boolean)));
 
   // ---- a layer from above ----
-  const state = { layer: 0, colour: "", corner: null };
+  const state = { layer: 0, colour: "", corner: null, times: 1 };
 
   function line(one, name, style, more) { // one path as one line, broken where runs begin
     const x = [], y = [], told = [];
@@ -70,20 +71,39 @@
       line: { color: P.errors[k], width: 2.2 }, hovertemplate: "X %{x:.3f} Y %{y:.3f}<br>%{text}<extra></extra>" }));
   }
 
+  function magnified(one, desired) { // each point as many times as far from the nearest point of the path that its lines ask for
+    if (state.times === 1 || !desired.line || !one.line) return one;
+    const x = [], y = [], n = desired.line.length;
+    let first = 0;
+    for (let i = 0; i < one.x.length; i++) {
+      while (first < n - 1 && desired.line[first + 1] < one.line[i] - NEIGHBOURS) first++;
+      let best = Infinity, dx = 0, dy = 0;
+      for (let k = first; k < n - 1 && desired.line[k] <= one.line[i] + NEIGHBOURS; k++) {
+        if (desired.fresh.has(k + 1)) continue;
+        const ax = one.x[i] - desired.x[k], ay = one.y[i] - desired.y[k], sx = desired.x[k + 1] - desired.x[k], sy = desired.y[k + 1] - desired.y[k];
+        const share = Math.min(1, Math.max(0, (ax * sx + ay * sy) / (sx * sx + sy * sy || 1))), gx = ax - share * sx, gy = ay - share * sy;
+        if (gx * gx + gy * gy < best) { best = gx * gx + gy * gy; dx = gx; dy = gy; }
+      }
+      x.push(one.x[i] + (state.times - 1) * dx);
+      y.push(one.y[i] + (state.times - 1) * dy);
+    }
+    return Object.assign({}, one, { x, y });
+  }
+
   function drawPlan() {
     const layer = D.layers[state.layer], corner = state.corner === null ? null : D.corners[state.corner], traces = [];
     const here = !corner || (layer && layer.number === corner.layer);
-    const shown = state.colour ? [state.colour] : D.methods;
-    if (layer && here) traces.push(line(path(layer.desired), "desired path", { color: faded(P.desired, 0.55), width: state.colour ? 1 : 5 },
+    const shown = state.colour ? [state.colour] : D.methods, desired = layer ? path(layer.desired) : null;
+    if (layer && here) traces.push(line(desired, "desired path", { color: faded(P.desired, 0.55), width: state.colour ? 1 : 5 },
       { hoverinfo: "skip", hovertemplate: null }));
     for (const name of shown) {
-      const paths = layer && here && layer.nozzle[name] ? [path(layer.nozzle[name])] : [];
+      const paths = layer && here && layer.nozzle[name] ? [magnified(path(layer.nozzle[name]), desired)] : [];
       if (!here && corner.windows[name]) paths.push(asPath(corner.windows[name].nozzle, corner.windows[name].error));
       paths.forEach((one, i) => traces.push(...(state.colour ? classes(one, i === 0) : [line(one, name, { color: colour(name), width: 1.6 })])));
     }
     if (!here) traces.unshift(line(asPath(corner.windows[corner.method].desired, null), "desired path", { color: faded(P.desired, 0.55), width: 5 }));
     draw("plan", traces, layout(axis("X [mm]"), axis("Y [mm]", { scaleanchor: "x" }), { dragmode: "zoom", uirevision: "plan" }));
-    by("layer-told").textContent = layer ? `${layer.number + 1} at Z ${layer.z.toFixed(2)} mm` : "none";
+    by("layer-told").textContent = layer ? `${layer.number + 1} of ${D.layerCount} at Z ${layer.z.toFixed(2)} mm` : "none";
     const where = corner ? `Line ${corner.line} of the file, layer ${corner.layer + 1}${corner.feature ? ", " + corner.feature : ""}, ` +
       `${corner.time.toFixed(1)} s after the start: ${corner.method} is ${Math.round(corner.error)} µm off.` : "";
     by("plan-note").textContent = where + (here ? "" : " Of this layer only the corner itself is in the page.");
@@ -133,6 +153,7 @@
     choice.add(new Option("one for each method", ""));
     D.methods.forEach(name => choice.add(new Option(`by error of ${name}`, name)));
     choice.onchange = () => { state.colour = choice.value; drawPlan(); };
+    by("times").onchange = () => { state.times = Number(by("times").value); drawPlan(); };
     by("all").onclick = whole;
     D.methods.forEach(name => {
       const own = D.corners.map((corner, i) => [corner, i]).filter(([corner]) => corner.method === name);
@@ -183,10 +204,12 @@
     }
   }
 
+  const WALL = 30; // mm of it that are shown at first
   function drawFaces() {
     if (!section("faces", D.faces.length)) return;
     D.faces.forEach((face, k) => {
       const names = Object.keys(face.off), steepest = Math.max(20, ...names.flatMap(name => face.slope[name].map(Math.abs)));
+      const longest = Math.max(...names.map(name => face.along[name][face.along[name].length - 1]));
       const plot = Object.assign(document.createElement("div"), { id: "face-" + k, className: "plot" });
       plot.style.height = `${290 + 34 * names.length}px`;
       by("faces").append(plot);
@@ -194,7 +217,7 @@
       draw(plot.id, names.flatMap((name, i) => [
         { type: "scatter", mode: "lines", x: face.along[name], y: face.off[name], name, line: { color: colour(name), width: 1.8 }, hovertemplate: "%{x:.1f} mm: %{y:.0f} µm<extra>" + name + "</extra>" },
         { type: "heatmap", x: face.along[name], y: [i], z: [face.slope[name]], yaxis: "y2", zmin: -steepest, zmax: steepest, colorscale: "Greys", showscale: false, hoverinfo: "skip" }]),
-      layout(axis(`along the wall [mm]: ${face.name}`, { anchor: "y2" }), axis("off the path [µm]", { domain: [share + 0.03, 1] }),
+      layout(axis(`along the wall [mm]: ${face.name}`, { anchor: "y2", range: [0, Math.min(WALL, longest)] }), axis("off the path [µm]", { domain: [share + 0.03, 1] }),
         { yaxis2: { domain: [0, share], tickvals: names.map((_, i) => i), ticktext: names, autorange: "reversed", automargin: true, fixedrange: true } }));
     });
   }

@@ -37,6 +37,7 @@ def data(kept: Kept, subject: Subject) -> Json:
         "palette": {"desired": palette.DESIRED, "limit": palette.LIMIT, "ink": palette.INK, "grid": palette.GRID,
                     "errors": palette.ERRORS, "steps": palette.ERROR_STEPS},
         "layers": [_layer(layer) for layer in kept.layers],
+        "layerCount": kept.thinning.layers,
         "corners": [_corner(corner, subject.features) for corner in kept.corners],
         "errors": _each(kept, lambda method: _envelope(method.error, UM_PER_MM)),
         "moves": _each(kept, lambda method: _sizes(method.moves)),

@@ -17,7 +17,7 @@ from fbfcli.verify.layer_paths import Layer, LayerPaths, Thinning
 from fbfcli.verify.passage import Passage
 
 T = TypeVar("T")
-POINTS = 220_000  # of all paths: 4 MB of a page
+POINTS = 300_000  # of all paths: 6 MB of a page
 CORNERS = 16  # of the first method, half as many of each other one
 WINDOW_S = 1.0  # of spectra
 HIGHEST_HZ = 200.0

@@ -147,10 +147,10 @@ def test_nothing_is_lost_between_file_and_machine(text, many):
 
 def test_methods_in_one_run_are_the_methods_alone():
     machine, methods = printer("klipper"), ("none", "mzv", FIRMWARE + "ei", "contour")
-    together, _ = simulated(TWO_LAYERS, machine, methods=methods, mismatch=0.1)
+    together, _ = simulated(TWO_LAYERS, machine, methods=methods, mismatches=(0.1,))
     assert len(together.results) == len(methods)
     for method, one in zip(methods[1:], together.results[1:], strict=True):
-        alone, _ = simulated(TWO_LAYERS, machine, methods=(method,), mismatch=0.1)
+        alone, _ = simulated(TWO_LAYERS, machine, methods=(method,), mismatches=(0.1,))
         assert one.as_dict(together.conditions, together.features) == alone.results[0].as_dict(
             alone.conditions, alone.features
         )
@@ -177,7 +177,7 @@ def test_what_compensate_predicts_is_what_is_simulated():
 
 def test_a_machine_off_its_model_draws_worse_with_an_exact_inverse():
     machine = printer("klipper")
-    done, _ = simulated(TWO_LAYERS, machine, methods=("lpfbs",), mismatch=0.1)
+    done, _ = simulated(TWO_LAYERS, machine, methods=("lpfbs",), mismatches=(0.1,))
     nominal, *others = (figures.total.contour.rms for figures in done.results[0].figures)
     assert [condition.name for condition in done.conditions] == [
         "as modelled", "frequency -10 %", "frequency +10 %", "damping x 1/2", "damping x 2"

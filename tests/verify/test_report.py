@@ -144,6 +144,16 @@ await wait();
 told.jumped = range();
 told.note = document.getElementById("plan-note").textContent;
 told.on = document.querySelector("#chips button.on").textContent;
+const times = document.getElementById("times"), far = () => Math.max(...plan.data[1].y.map(y => Math.abs(y - 110)));
+document.getElementById("all").click();
+await wait();
+told.far = far();
+times.value = "20";
+times.dispatchEvent(new Event("change"));
+await wait();
+told.farther = far();
+times.value = "1";
+times.dispatchEvent(new Event("change"));
 const choice = document.getElementById("colour");
 choice.value = "as sliced";
 choice.dispatchEvent(new Event("change"));
@@ -169,7 +179,7 @@ def test_the_page_works_in_a_browser(page, tmp_path):
     assert told["traces"] == ["desired path", "as sliced", "lpfbs"]
     assert told["buttons"] == ["Zoom", "Pan", "Reset axes", "Download plot as a PNG"]  # and none that sends it away
     assert told["before"] != told["after"] and told["label"] != told["labelAfter"]
-    assert told["labelAfter"].startswith("1 at Z 0.20 mm")
+    assert told["labelAfter"].startswith(f"1 of {LAYERS} at Z 0.20 mm")
     width = [span[1] - span[0] for span in (told["whole"], told["zoomed"], told["jumped"], told["again"])]
     assert width[1] < 0.5 * width[0] and told["kept"] == told["zoomed"]
     corner = data(page)["corners"][0]
@@ -177,6 +187,7 @@ def test_the_page_works_in_a_browser(page, tmp_path):
     assert abs(sum(told["jumped"][:2]) / 2 - corner["at"][0]) < 0.1
     assert abs(sum(told["jumped"][2:]) / 2 - corner["at"][1]) < 0.1
     assert f"Line {corner['line']} " in told["note"] and told["on"] == str(round(corner["error"]))
+    assert told["farther"] - 10 == pytest.approx(20 * (told["far"] - 10), rel=0.05)  # off the side at 120 mm
     assert told["classes"][1:] == ["≤ 10 µm", "≤ 25 µm", "≤ 50 µm", "≤ 100 µm", "≤ 200 µm", "> 200 µm"]
     assert width[3] == pytest.approx(width[0], rel=0.15)
 
