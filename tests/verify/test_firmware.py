@@ -181,3 +181,13 @@ def test_each_firmware_has_its_planner():
     for firmware in ("marlin", "reprapfirmware"):
         parts = fed(planner_of(replace(printer, firmware=firmware)), moves_of([[5.0, 0, 0, 0.2]] * 30))
         assert sum(len(part.moves) for part in parts) == 30 and (durations(parts) > 0).all()
+
+
+def test_after_homing_a_move_starts_where_the_machine_was_set():
+    """A move of 2 steps is not queued; the one after it, from another place, has nothing to do with it."""
+    moves = moves_of([[10.0, 0, 0, 0], [0.025, 0, 0, 0], [5.0, 0, 0, 0]])
+    moves.start[2] = [200.0, 100.0, 0.0, 0.0]
+    found, tag = Merging(None, (80.0, 80.0, 400.0), None).merged(moves, np.arange(3))
+    assert tag.tolist() == [0, 2]
+    np.testing.assert_allclose(found.start[1], [200.0, 100.0, 0.0, 0.0])
+    np.testing.assert_allclose(found.delta[1], [5.0, 0.0, 0.0, 0.0])
