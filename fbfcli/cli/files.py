@@ -78,6 +78,12 @@ def check_targets(read: Sequence[str], *written: str | None) -> None:
             outputs.add(place)
 
 
+def one_stream(*written: str | None) -> None:
+    """Refuse to write two things to standard output."""
+    if written.count(DASH) > 1:
+        raise click.UsageError("two things would go to standard output: give one of them a file")
+
+
 @contextmanager
 def streaming(name: str) -> Iterator[BinaryIO]:
     """What `is_stream`, to be written."""

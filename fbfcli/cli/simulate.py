@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fbfcli.cli.files import DASH, check_targets, rereading, writing
+from fbfcli.cli.files import DASH, check_targets, one_stream, rereading, writing
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import METHODS, PERCENT, UM_PER_MM
 from fbfcli.cli.options import Number, Numbers, json_option, printer_option, quiet_option
+from fbfcli.cli.pictures import Pictures, png_option, report_option
 from fbfcli.cli.telling import fraction_bar, named, tell_json
 
 if TYPE_CHECKING:
@@ -20,9 +21,10 @@ if TYPE_CHECKING:
     from fbfcli.pipeline.simulate import Wanted
     from fbfcli.pipeline.simulation import Simulation
     from fbfcli.pipeline.watcher import Watcher
+    from fbfcli.printer import Printer
 
 BEFORE_AND_AFTER = ("none", "auto")
-AS_WRITTEN = ("none",)
+AS_WRITTEN = ("as written",)
 KLIPPER_SHAPERS = ("zv", "mzv", "ei", "2hump_ei", "3hump_ei")
 MOST_RATE, TRAJECTORY_HZ = 10_000, 1000
 
@@ -89,6 +91,8 @@ class Names(click.ParamType):
     "--tolerance", type=Number(0.1, 1000), default=5.0, show_default=True, metavar="UM", help="As in `fbf compensate`."
 )
 @click.option("--segments", type=Number(min=10), metavar="PER_S", help="As in `fbf compensate`.")
+@report_option
+@png_option
 @click.option(
     "--csv", "csv_to", metavar="FILE", help="Write where the nozzle goes, sample by sample; - is standard output."
 )
@@ -107,6 +111,8 @@ def simulate(
     spread: float | None,
     tolerance: float,
     segments: float | None,
+    report: str | None,
+    png: str | None,
     csv_to: str | None,
     json_to: str | None,
     quiet: bool,
@@ -121,15 +127,15 @@ def simulate(
     fbf simulate part.gcode -p taz6 -m none,mzv,ei,lpfbs,contour        method against method
     fbf simulate part.gcode -p taz6 --mismatch 10                       if the machine is not as modelled
     fbf simulate part.gcode -p taz6 --accel 1000,3000,10000             print time against error
+    fbf simulate part.gcode -p taz6 --report part.html --png part.png   to look at
     fbf simulate -p taz6 --json - part.fbf.gcode | jq .results
     """
     if rate % TRAJECTORY_HZ:
         raise click.UsageError(f"--rate takes whole thousands, as 1000 or 4000: {rate} is not")
     if file == DASH and sys.stdin.isatty():
         raise click.UsageError("no FILE, and standard input is a terminal")
-    if csv_to == json_to == DASH:
-        raise click.UsageError("--csv and --json both go to standard output: give one of them a file")
-    check_targets([file], csv_to, json_to)
+    one_stream(csv_to, json_to, report, png)
+    check_targets([file], csv_to, json_to, report, png)
     from fbfcli.pipeline.settings import Settings
     from fbfcli.pipeline.simulate import FIRMWARE, Wanted
     from fbfcli.verify.path_csv import PathCsv
@@ -148,9 +154,15 @@ def simulate(
         rate=float(rate),
         machine=None if plant is None else read_printer(find_file(plant)),
     )
+    profile = find_file(printer)
+    machine, pictures = read_printer(profile), Pictures(report, png)
     with ExitStack() as files:
-        watchers = [PathCsv(files.enter_context(writing(csv_to)).write)] if csv_to else []
-        simulation = _simulate(file, printer, settings, wanted, bool(methods or shapers), watchers, quiet)
+        watchers: list[Watcher] = [*pictures.watchers]
+        if csv_to:
+            watchers.append(PathCsv(files.enter_context(writing(csv_to)).write))
+        with named(file, str(profile)):
+            simulation = _simulate(file, machine, settings, wanted, bool(methods or shapers), watchers, quiet)
+    pictures.write(file, simulation, machine, wanted.machine or machine, settings)
     if not quiet:
         click.echo(simulation.text(), err=True)
     if json_to:
@@ -159,11 +171,11 @@ def simulate(
 
 def _simulate(
     file: str,
-    printer: str | None,
+    machine: Printer,
     settings: Settings,
     wanted: Wanted,
     chosen: bool,
-    watchers: list[Watcher],
+    watchers: Sequence[Watcher],
     quiet: bool,
 ) -> Simulation:
     """Read the file as often as needed, and simulate it."""
@@ -173,9 +185,7 @@ def _simulate(
     from fbfcli.gcode.stamp import looked_into
     from fbfcli.pipeline.simulate import simulate as run
 
-    profile = find_file(printer)
-    machine = read_printer(profile)
-    with rereading(file) as (again, size), named(file, str(profile)):
+    with rereading(file) as (again, size):
         if looked_into(chunks(again()))[0]:
             if chosen or wanted.accelerations != (None,) or settings.velocity is not None:
                 raise click.UsageError(
@@ -188,7 +198,7 @@ def _simulate(
                     "(simulate the original to see them against the part)",
                     err=True,
                 )
-            wanted = replace(wanted, methods=AS_WRITTEN)
+            wanted = replace(wanted, methods=AS_WRITTEN, stamped=True)
 
         def texts() -> Iterator[bytes]:
             return chunks(again())

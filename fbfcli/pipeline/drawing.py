@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from fbfcli.gcode.marks import Marks
+from fbfcli.motion.moves import E, Z
 from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.executions import Executions
 from fbfcli.pipeline.machine import Condition, plants_of
@@ -29,6 +31,7 @@ class Drawing:
 
     name    : told to the watchers
     shaping : the firmware's, of tracks; None: it has none
+    like    : of another method, ahead of this one or in step with it: the same walls are shown
     marks   : to be told of the file's text before its motion comes here
     """
 
@@ -40,13 +43,15 @@ class Drawing:
         dt: float,
         watchers: Sequence[Watcher],
         shaping: InputShaping | None = None,
+        like: Drawing | None = None,
     ):
         designs = Designs(machine, "none", Settings(dt=dt))
         self._name, self._watchers = name, watchers
         self.marks = Marks()
         self._executions = Executions(self.marks, designs, dt, shaping)
         self._passages = [Passages(plants_of(designs, condition, dt)) for condition in under]
-        self._accounts = [Account(self.marks.features) for _ in under]
+        others: Sequence[Account | None] = like._accounts if like else [None] * len(under)
+        self._accounts: list[Account] = [Account(self.marks.features, other) for other in others]
         self._motors = Motors(machine, dt, watch=self._carry)
         for watcher in watchers:
             watcher.begin(name, self.marks.features)
@@ -57,6 +62,13 @@ class Drawing:
         for watcher in self._watchers:
             watcher.segments(self._name, self._executions.starts)
         self._draw(execution)
+
+    def sliced(self, part: Stretches) -> None:
+        """The same, were the machine asked for what is desired."""
+        whole = self._executions.of_stretches(part)
+        pushed = whole.motion[:, E] if whole.filament is None else whole.filament
+        motion = np.column_stack([whole.desired, whole.motion[:, Z], pushed])
+        self._draw(replace(whole, command=whole.desired, motion=motion, filament=None))
 
     def track(self, track: Track) -> None:
         """More of a file as it is written."""

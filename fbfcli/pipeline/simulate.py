@@ -17,6 +17,7 @@ from fbfcli.pipeline.simulation import Simulated, Simulation
 from fbfcli.pipeline.timeline import Timeline
 from fbfcli.pipeline.watcher import Watcher
 from fbfcli.printer import Printer
+from fbfcli.verify.firmware import planner_of
 from fbfcli.verify.input_shaping import InputShaping
 from fbfcli.verify.shaper_tuning import MadeFor, best, klippers
 
@@ -34,6 +35,7 @@ class Wanted:
     mismatch      : the machine's frequencies are off by this part too, and its dampings; None: it is as modelled
     rate          : samples a second, a multiple of the trajectory's
     machine       : that draws the print; None: the printer that the text is meant for
+    stamped       : the file is compensated already: the methods are but a name for executing it as it is written
     """
 
     methods: tuple[str, ...] = (AS_WRITTEN, AUTO)
@@ -41,6 +43,7 @@ class Wanted:
     mismatch: float | None = None
     rate: float = RATE_HZ
     machine: Printer | None = None
+    stamped: bool = False
 
     @property
     def passes(self) -> int:
@@ -64,17 +67,19 @@ def simulate(
 
     Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
     """
-    machine = wanted.machine or printer
     under = conditions(wanted.mismatch)
     results, reading = [], _Reading(open_text, progress)
     for acceleration in wanted.accelerations:
         how = settings if acceleration is None else replace(settings, acceleration=acceleration)
         check_ceilings(printer, how)
+        first: Drawing | None = None
         for method in wanted.methods:
             seeing = watchers if acceleration == wanted.accelerations[0] else ()
-            one = _Pass(method, printer, machine, under, how, 1.0 / wanted.rate, seeing)
+            one = _Pass(method, printer, how, wanted, under, seeing, first)
+            first = first or one.drawing
             results.append(one.run(reading))
     marks = one.marks
+    machine = wanted.machine or printer
     return Simulation(
         printer.name, machine.name, wanted.rate, tuple(marks.features), marks.layers, under, tuple(results)
     )
@@ -101,13 +106,14 @@ class _Pass:
         self,
         name: str,
         printer: Printer,
-        machine: Printer,
-        under: Sequence[Condition],
         settings: Settings,
-        dt: float,
+        wanted: Wanted,
+        under: Sequence[Condition],
         watchers: Sequence[Watcher],
+        first: Drawing | None,
     ):
-        self._name, self._printer, self._settings, self._dt = name, printer, settings, dt
+        self._name, self._printer, self._settings, self._wanted = name, printer, settings, wanted
+        self._dt = 1.0 / wanted.rate
         shaper = name.removeprefix(FIRMWARE)
         self._in_firmware = shaper != name
         self._made_for: tuple[MadeFor, ...] = ()
@@ -115,24 +121,28 @@ class _Pass:
             self._made_for = _made_for(printer, shaper, settings, klippers if self._in_firmware else best)
         shaping = None
         if self._in_firmware:
-            shaping = InputShaping([impulses(shaper, one.frequency, one.damping) for one in self._made_for], dt)
-        self._drawing = Drawing(name, machine, under, dt, watchers, shaping)
-        self.marks = self._drawing.marks
+            made = [impulses(shaper, one.frequency, one.damping) for one in self._made_for]
+            shaping = InputShaping(made, self._dt)
+        self.drawing = Drawing(name, wanted.machine or printer, under, self._dt, watchers, shaping, first)
+        self.marks = self.drawing.marks
 
     def run(self, text: Iterable[bytes]) -> Simulated:
         """Everything of it."""
         chunks = self.marks.passing(text)
-        if self._in_firmware or self._name == AS_WRITTEN:
+        if self._wanted.stamped or self._in_firmware or self._name == AS_WRITTEN:
             return self._as_written(chunks)
         return self._compensated(chunks)
 
     def _as_written(self, chunks: Iterable[bytes]) -> Simulated:
         """The firmware executes the file as it is."""
         settings = replace(self._settings, method=AS_WRITTEN)
-        reader, timeline = Reader(self._printer, settings, as_written=True), Timeline(self._dt)
+        planner = planner_of(
+            self._printer, settings.segments_per_second, segment_s=0.0 if self._wanted.stamped else None
+        )
+        reader, timeline = Reader(self._printer, settings, as_written=True, planner=planner), Timeline(self._dt)
         for portion in reader.portions(chunks, lambda read: None):
             track, _ = timeline.part(portion.part, portion.inside, None, portion.lines)
-            self._drawing.track(track)
+            self.drawing.track(track)
         return self._told(AS_WRITTEN, "", timeline.time, tuple(reader.warnings))
 
     def _compensated(self, chunks: Iterable[bytes]) -> Simulated:
@@ -141,14 +151,12 @@ class _Pass:
         if self._made_for:
             x, y = ((one.frequency, one.damping) for one in self._made_for)
             settings = replace(settings, shaped=(x, y))
-        done = compensate(
-            chunks, self._printer, settings, lambda text: None, lambda read: None, self._drawing.stretches
-        )
+        done = compensate(chunks, self._printer, settings, lambda text: None, lambda read: None, self.drawing.stretches)
         told = done.summary
         return replace(self._told(told.method, told.why, told.time, told.warnings), compensated=told)
 
     def _told(self, method: str, why: str, time: float, warnings: tuple[str, ...]) -> Simulated:
-        figures, motors = self._drawing.finish()
+        figures, motors = self.drawing.finish()
         return Simulated(
             name=self._name,
             method=method,

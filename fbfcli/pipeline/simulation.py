@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from fbfcli.pipeline.machine import Condition
 from fbfcli.pipeline.rows import aligned, told
 from fbfcli.pipeline.summary import Summary, clock
-from fbfcli.verify.account import Accounted, Three
+from fbfcli.verify.account import Accounted
 from fbfcli.verify.motors_told import MotorsTold
 from fbfcli.verify.shaper_tuning import MadeFor
 
@@ -125,21 +125,17 @@ class Simulation:
                 f"{100 * one.figures[0].bead.rms:.1f} %",
             )
             for one in self.results
-            for error in [self._drawn(one.figures[0])]
+            for error in [one.figures[0].drawn]
         ]
         return aligned([head, *rows])
 
     def _mismatch(self) -> str:
         """Contour errors of the methods under every condition."""
         rows = [
-            (self._name(one), *(f"{self._drawn(figures).contour.rms:.1f}" for figures in one.figures))
+            (self._name(one), *(f"{figures.drawn.contour.rms:.1f}" for figures in one.figures))
             for one in self.results
         ]
         return aligned([("contour rms in um", *(condition.name for condition in self.conditions)), *rows])
-
-    def _drawn(self, figures: Accounted) -> Three:
-        """Errors while extruding; of a file that never does, of all its motion."""
-        return figures.total if figures.extruding else figures.off
 
     def _name(self, one: Simulated) -> str:
         several = len({each.acceleration for each in self.results}) > 1

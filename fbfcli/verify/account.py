@@ -55,6 +55,11 @@ class Accounted:
     bead_by_feature: dict[int, BeadFigures]
     walls: tuple[Wall, ...]
 
+    @property
+    def drawn(self) -> Three:
+        """Errors of what the print draws: of a file that never extrudes, of all its motion."""
+        return self.total if self.extruding else self.off
+
     def as_dict(self, features: Sequence[str]) -> dict[str, Any]:
         """Everything but the profiles of walls, for JSON; features by name."""
         told = {each.name: getattr(self, each.name) for each in fields(self)}
@@ -76,9 +81,10 @@ class Account:
     """What is counted of a print while its passages stream past.
 
     features : names of what is printed, as far as they are known: it may grow while the print is read
+    like     : of another method, ahead of this one or in step with it: the same walls are shown
     """
 
-    def __init__(self, features: list[str]):
+    def __init__(self, features: list[str], like: Account | None = None):
         self._features = features
         self._dt = 0.0
         self._samples = [0, 0]  # of travel, of extruding
@@ -87,7 +93,7 @@ class Account:
         self._beads: Beads | None = None
         self._bead_tally = BeadTally()
         self._ringing, self._corners = Ringing(), CornerTally(features)
-        self._walls = Walls(features)
+        self._walls: Walls = Walls(features, like._walls if like else None)
 
     def add(self, passage: Passage | None) -> tuple[Corner, ...]:
         """Count a passage; the corners that are final with it."""

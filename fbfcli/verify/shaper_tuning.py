@@ -15,7 +15,7 @@ from scipy.signal import freqz, lfilter
 
 from fbfcli.control.shapers import MAX_DAMPING, impulses, shaper
 from fbfcli.plant.model import Plant, impulse_response, modes
-from fbfcli.plant.shaper_score import BAND_HZ, DAMPING, best_shaper
+from fbfcli.plant.shaper_score import BAND_HZ, DAMPING, fitted
 
 LOWEST, HIGHEST, STEP = 0.7, 2.5, 1.02  # tried are frequencies from 0.7 lowest mode to 2.5 highest, in steps of 2 %
 GRID_HZ = 1.0
@@ -42,11 +42,12 @@ def best(name: str, plant: Plant) -> MadeFor | None:
 
 
 def klippers(name: str, plant: Plant) -> MadeFor | None:
-    """What Klipper's calibration takes for one of its shapers, if it measures an axis like this one."""
+    """What Klipper's calibration takes for one of its shapers where it measures this axis; None: nothing vibrates."""
+    if not modes(plant):
+        return None
     f = np.arange(BAND_HZ[0], BAND_HZ[1], GRID_HZ)
     _, H = freqz(plant.b, plant.a, f, fs=1.0 / plant.dt)
-    _, kinds = best_shaper(f, f * np.abs(H) ** 2, impulses)
-    return next((MadeFor(one.frequency, DAMPING) for one in kinds if one.name == name), None)
+    return MadeFor(fitted(name, f, f * np.abs(H) ** 2, impulses).frequency, DAMPING)
 
 
 def corner_error(name: str, made_for: MadeFor, plant: Plant) -> float:

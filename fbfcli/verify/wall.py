@@ -12,6 +12,7 @@ from fbfcli.verify.passage import Passage
 
 OUTER = ("external perimeter", "outer wall", "wall-outer", "outer perimeter", "perimeter", "shell-outer")  # lower case
 STEP = 0.05  # mm: points of a profile
+SAME = 2.0  # mm: ends of a line that another method samples at other points of it
 BEND = 1e-3  # rad: directions of one straight line differ by no more
 SAMPLING_LENGTHS = 5  # in which Rz is taken
 LONGEST_S = 20.0  # of one line; a longer one is looked at as far as that
@@ -60,10 +61,11 @@ class Walls:
     """The longest straight wall across X, and that across Y, of a print that comes in pieces.
 
     features : names of what is printed, as far as they are known; an outer wall is taken before anything else
+    like     : of another method, ahead of this one or in step with it: the same walls are looked for
     """
 
-    def __init__(self, features: list[str]):
-        self._features = features
+    def __init__(self, features: list[str], like: Walls | None = None):
+        self._features, self._like = features, like
         self._found: dict[int, Wall] = {}
         self._heading: Heading | None = None
         self._open: Rows | None = None  # the line that goes on
@@ -95,6 +97,9 @@ class Walls:
         outer = np.array([name.lower() in OUTER for name in self._features])[feature[starts]]
         axis = (np.abs(heading[ends - 1, 0]) > np.abs(heading[ends - 1, 1])).astype(np.int64)
         fit = extruding[starts] & (length > 2 * SAMPLING_LENGTHS * STEP)
+        if self._like is not None:
+            self._look_for(self._like.found(), rows, starts[fit], ends[fit])
+            return
         for each in (0, 1):
             of = np.flatnonzero(fit & (axis == each))
             if not len(of):
@@ -103,6 +108,15 @@ class Walls:
             had = self._found.get(each)
             if had is None or (bool(outer[best]), length[best] - STEP) > (self._is_outer(had), had.length):
                 self._found[each] = _wall(rows, each, int(starts[best]), int(ends[best]))
+
+    def _look_for(self, walls: tuple[Wall, ...], rows: Rows, starts: np.ndarray, ends: np.ndarray) -> None:
+        """Keep those of the lines that are these walls."""
+        desired, line = rows[0], rows[5]
+        for wall in walls:
+            near = np.hypot(*(desired[starts] - wall.begin).T) + np.hypot(*(desired[ends - 1] - wall.end).T) < SAME
+            same = np.flatnonzero(near & (np.abs(line[starts] - wall.line) <= 1))
+            if len(same):
+                self._found[wall.axis] = _wall(rows, wall.axis, int(starts[same[0]]), int(ends[same[0]]))
 
     def _is_outer(self, wall: Wall) -> bool:
         return self._features[wall.feature].lower() in OUTER

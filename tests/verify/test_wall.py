@@ -67,3 +67,24 @@ def test_cuts_change_nothing(cuts):
     assert [w.line for w in one] == [w.line for w in many]
     for a, b in zip(one, many, strict=True):
         np.testing.assert_allclose(b.off, a.off, atol=1e-9)
+
+
+@pytest.mark.parametrize("by_turns", (False, True))
+def test_another_method_shows_the_same_walls_on_its_own_clock(by_turns):
+    """Of many alike walls, whichever is the longest by a hair of sampling, the first method's is shown."""
+    lengths = [20, 30, 20, 30, 20, 30, 20, 30]
+    paths = [sides(lengths, v) for v in (100.0, 97.0)]
+    first, second = (execution(path, line=np.arange(len(path)) // 100) for path in paths)
+    before = Walls(FEATURES)
+    after = Walls(FEATURES, before)
+    runs = [(before, Passages(mode(40.0, 0.1)), first), (after, Passages(mode(40.0, 0.1)), second)]
+    cuts = [[0, len(e) // 2, len(e)] for _, _, e in runs]
+    order = [(i, k) for k in range(3) for i in range(2)] if by_turns else [(i, k) for i in range(2) for k in range(3)]
+    for i, k in order:
+        found, machine, whole = runs[i]
+        passage = machine.finish() if k == 2 else machine.add(cut(whole, cuts[i][k], cuts[i][k + 1]))
+        if passage is not None:
+            found.add(passage)
+    assert len(before.found()) == 2 == len(after.found())
+    for a, b in zip(before.found(), after.found(), strict=True):
+        assert a.axis == b.axis and np.hypot(*(a.begin - b.begin)) < 1.0 and np.hypot(*(a.end - b.end)) < 1.0
