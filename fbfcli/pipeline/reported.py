@@ -34,9 +34,7 @@ def shown(simulation: Simulation) -> Sequence[Simulated]:
     return [one for one in simulation.results if one.acceleration == simulation.results[0].acceleration]
 
 
-def page(
-    file: str, kept: Kept, simulation: Simulation, printer: Printer, machine: Printer, settings: Settings
-) -> str:
+def page(file: str, kept: Kept, simulation: Simulation, printer: Printer, machine: Printer, settings: Settings) -> str:
     """The report of what was kept of a simulation, HTML.
 
     printer, machine : that the text is meant for, and that draws it
@@ -157,4 +155,3 @@ def _settings(
 def _told(one: Simulated, settings: Settings) -> str:
     made = "; made for " + ", ".join(f"{each.frequency:.1f} Hz, damping {each.damping:.3f}" for each in one.made_for)
     return settings.told(one.method) + (made if one.made_for else "") + (f" ({one.why})" if one.why else "")
-

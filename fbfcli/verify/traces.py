@@ -19,6 +19,7 @@ from fbfcli.verify.passage import Passage
 T = TypeVar("T")
 POINTS = 300_000  # of all paths: 6 MB of a page
 CORNERS = 16  # of the first method, half as many of each other one
+TOGETHER = 65_536  # samples that are looked at at once
 WINDOW_S = 1.0  # of spectra
 HIGHEST_HZ = 200.0
 AVERAGES = 400.0  # windows after which a response is known well enough
@@ -92,8 +93,10 @@ class Traces:
 
     def add(self, name: str, passage: Passage) -> None:
         """More of what the machine makes of a method."""
-        if not len(passage):
-            return
+        for first in range(0, len(passage), TOGETHER):
+            self._add(name, passage[first : first + TOGETHER])
+
+    def _add(self, name: str, passage: Passage) -> None:
         execution = passage.execution
         curves = self._curves.setdefault(name, _Curves())
         first = name == next(iter(self._curves))
