@@ -223,3 +223,13 @@ def test_the_default_methods_are_those_of_the_help(capsys):
 def test_numpy_is_not_needed_to_ask_for_help():
     code = "import sys; from fbfcli.cli import main; main.run(['simulate', '--help']); sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
+
+
+def test_compensate_makes_a_shaper_for_the_frequencies_that_are_told(part):
+    one = figures(part, "-m", "ei")["results"][0]
+    told = part.with_name("told.json")
+    shaped = ",".join(f"{made['frequency']:.12g}" for made in one["made_for"])
+    words = ["compensate", *PRINTER, str(part), "-n", "-q", "-m", "ei", "--shaped", shaped, "--json", str(told)]
+    assert main.run(words) == 0
+    assert json.loads(told.read_text())["contour_after"] == pytest.approx(one["compensated"]["contour_after"])
+    assert main.run([*words[:5], "-m", "lpfbs", "--shaped", "30"]) == 2

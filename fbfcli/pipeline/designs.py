@@ -111,17 +111,18 @@ class Designs:
         h = impulse_response(plant)
         if self._settings.fir is not None:
             h = cut(h, self._settings.fir)
-        known = exactly(plant.b, plant.a, h, self._shaped(axis) + modes(plant))
+        known = exactly(plant.b, plant.a, h, self._shaped(axis, modes(plant)))
         if self.method not in FAMILY_METHODS:
             return known
         family = self._family(axis, share)
         return replace(known, family=tuple(map(impulse_response, family.plants)), weights=family.weights)
 
-    def _shaped(self, axis: Axis) -> tuple[Vibration, ...]:
-        """What the settings say that a shaper of the axis is made for."""
-        if self._settings.shaped is None:
-            return ()
-        return (Vibration(*self._settings.shaped[self._axes.index(axis)], inf),)
+    def _shaped(self, axis: Axis, found: tuple[Vibration, ...]) -> tuple[Vibration, ...]:
+        """The modes, before them what the settings say that a shaper of the axis is made for."""
+        if self._settings.shaped is None or not found:
+            return found
+        frequency = self._settings.shaped[self._axes.index(axis)]
+        return (Vibration(frequency, found[0].damping, inf), *found)
 
     def _mean(self, axis: Axis, share: tuple[float, ...]) -> BA:
         if self.method not in FAMILY_METHODS:

@@ -24,7 +24,7 @@ class Settings:
     with_nozzle : filament in step with where the nozzle is expected, not with the desired motion; None: for
                   methods that let the nozzle run ahead or behind
     fir         : samples of the impulse response the method knows; None: until it has died out
-    shaped      : (frequency [Hz], damping ratio) of X and of Y that a shaper is made for; None: their strongest modes
+    shaped      : frequencies of X and Y that a shaper is made for [Hz]; None: those of their strongest modes
     patch_times : time comments and M73 are written padded, to be filled in at the end
     """
 
@@ -38,7 +38,7 @@ class Settings:
     spread: float | None = None
     with_nozzle: bool | None = None
     fir: int | None = None
-    shaped: tuple[tuple[float, float], tuple[float, float]] | None = None
+    shaped: tuple[float, float] | None = None
     patch_times: bool = True
 
     def told(self, method: str) -> str:
@@ -55,6 +55,6 @@ class Settings:
         if self.fir is not None:
             parts.append(f"fir={self.fir}")
         if self.shaped is not None:
-            parts.append("shaped=" + ",".join(f"{f:.1f}Hz" for f, _ in self.shaped))
+            parts.append("shaped=" + ",".join(f"{f:.4g}Hz" for f in self.shaped))
         parts += [f"{name}={value:g}" for name, value in sorted(self.options.items())]
         return " ".join(parts)

@@ -149,7 +149,7 @@ class _Pass:
         """The firmware executes what a method makes of the file."""
         settings = replace(self._settings, method=self._name)
         if self._made_for:
-            x, y = ((one.frequency, one.damping) for one in self._made_for)
+            x, y = (one.frequency for one in self._made_for)
             settings = replace(settings, shaped=(x, y))
         done = compensate(chunks, self._printer, settings, lambda text: None, lambda read: None, self.drawing.stretches)
         told = done.summary

@@ -90,10 +90,13 @@ class Simulation:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Of all results, each once."""
-        each = [f"{one.name}: {warning}" for one in self.results if one.compensated for warning in one.warnings]
-        plain = [warning for one in self.results if not one.compensated for warning in one.warnings]
-        lost = [warning for one in self.results for warning in _lost(one)]
-        return tuple(dict.fromkeys([*plain, *each, *lost]))
+        names: dict[str, dict[str, None]] = {}
+        for one in self.results:
+            for warning in one.warnings:
+                names.setdefault(warning, {})[one.name] = None
+        many = len({one.name for one in self.results})
+        each = [warning if len(by) == many else f"{', '.join(by)}: {warning}" for warning, by in names.items()]
+        return tuple(dict.fromkeys([*each, *(warning for one in self.results for warning in _lost(one))]))
 
     def text(self) -> str:
         """For people, on stderr."""

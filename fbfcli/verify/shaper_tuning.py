@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import freqz, lfilter
 
-from fbfcli.control.shapers import MAX_DAMPING, impulses, shaper
+from fbfcli.control.shapers import impulses, shaper
 from fbfcli.plant.model import Plant, impulse_response, modes
 from fbfcli.plant.shaper_score import BAND_HZ, DAMPING, fitted
 
@@ -30,11 +30,14 @@ class MadeFor:
 
 
 def best(name: str, plant: Plant) -> MadeFor | None:
-    """What leaves least of the corner's error; None where nothing vibrates. Damping is that of the strongest mode."""
+    """What leaves least of the corner's error, with the damping of the strongest mode; None where nothing vibrates.
+
+    Raises ModelError where the damping is beyond the shaper.
+    """
     vibrations = modes(plant)
     if not vibrations:
         return None
-    zeta = min(vibrations[0].damping, MAX_DAMPING[name])
+    zeta = vibrations[0].damping
     found = [mode.frequency for mode in vibrations]
     low, high = LOWEST * min(found), HIGHEST * max(found)
     tried = low * STEP ** np.arange(np.log(high / low) / np.log(STEP))
