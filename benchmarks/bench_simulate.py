@@ -1,4 +1,4 @@
-"""Measure `fbf simulate` on an hour of print: `python benchmarks/bench_simulate.py [--rate 1000] [--methods none,auto]`.
+"""Measure `fbf simulate` on an hour of print: `python benchmarks/bench_simulate.py [--rate 1000] [--methods zv,ei]`.
 
 A long print is generated in a temporary folder and simulated by one process on one core, with a printer of two modes
 per axis: before and after compensation.

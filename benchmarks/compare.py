@@ -65,14 +65,15 @@ def method_rows(name: str, printer: Printer) -> list[str]:
         cells = [f"{error:.1f}" for one in found for error in errors(one)]
         time = clock(sum(one.time for one in found))
         lines.append(f"| `{method}`{f' ({made})' if made else ''} | {time} | {' | '.join(cells)} |")
-    return [*lines, "", *([f"Not applicable to this model: {', '.join(refused)}."] if refused else [])]
+    return [*lines, "", *([f"Not applicable to this model: {', '.join(refused)}.", ""] if refused else [])]
 
 
 def sweep_rows(printer: Printer) -> list[str]:
     """Print time against error."""
     told = simulated(SWEPT_PART, printer, Wanted(methods=SWEPT, accelerations=SWEEP))
     lines = [f"### {printer.name}: print time against contour error of {SWEPT_PART}, um (RMS / 99 %)", "",
-             "| mm/s² | " + " | ".join(f"`{method}`" for method in SWEPT) + " |", "|---" * (1 + len(SWEPT)) + "|"]  # fmt: skip
+             "| mm/s² | " + " | ".join(f"`{method}`" for method in SWEPT) + " |",
+             "|---" * (1 + len(SWEPT)) + "|"]  # fmt: skip
     for acceleration in SWEEP:
         cells = [
             f"{clock(one.time)}: {error.rms:.1f} / {error.p99:.0f}"
@@ -90,7 +91,7 @@ def tables() -> str:
     for name in PRINTERS:
         printer = bundled()[name]
         lines += [*method_rows(name, printer), *sweep_rows(printer), ""]
-    return "\n".join(lines)
+    return "\n".join(lines).rstrip()
 
 
 def main() -> None:

@@ -105,6 +105,12 @@ def test_another_machine_may_draw(part):
     assert rms[0] != rms[1]
 
 
+def test_ten_thousand_samples_a_second_of_a_machine_that_rings_long(part):
+    slow, fast = (figures(part, "-m", "none", "--mismatch", 10, "--rate", rate) for rate in (1000, 10_000))
+    for a, b in zip(*(told["results"][0]["conditions"].values() for told in (slow, fast)), strict=True):
+        assert a["total"]["contour"]["rms"] == pytest.approx(b["total"]["contour"]["rms"], rel=0.02)
+
+
 def test_shapers_in_the_firmware_stand_beside_the_methods(part, capsys):
     assert run(part, "-m", "none", "--firmware-shaper", "mzv,ei") == 0
     said = capsys.readouterr().err

@@ -161,7 +161,7 @@ def simulate(
         watchers: list[Watcher] = [*pictures.watchers]
         if csv_to:
             watchers.append(PathCsv(files.enter_context(writing(csv_to)).write))
-        with named(file, str(profile)):
+        with named(file, str(profile) if plant is None else f"{profile} or {plant}"):
             simulation = _simulate(file, machine, settings, wanted, bool(methods or shapers), watchers, quiet)
     pictures.write(file, simulation, machine, wanted.machine or machine, settings)
     if not quiet:

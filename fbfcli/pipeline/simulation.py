@@ -135,8 +135,7 @@ class Simulation:
     def _mismatch(self) -> str:
         """Contour errors of the methods under every condition."""
         rows = [
-            (self._name(one), *(f"{figures.drawn.contour.rms:.1f}" for figures in one.figures))
-            for one in self.results
+            (self._name(one), *(f"{figures.drawn.contour.rms:.1f}" for figures in one.figures)) for one in self.results
         ]
         return aligned([("contour rms in um", *(condition.name for condition in self.conditions)), *rows])
 

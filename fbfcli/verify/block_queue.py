@@ -18,7 +18,7 @@ from fbfcli.motion.lookahead import Plan, reach
 from fbfcli.motion.moves import Moves
 from fbfcli.motion.profile import Profile, profile
 
-PIECE = 512  # blocks that are planned together
+PIECE = 256  # blocks that are planned together
 TIE_S = 1e-9  # times closer than this are the same
 US = 1e6
 
@@ -122,8 +122,12 @@ class BlockQueue:
         fresh[0] |= past.move is None
         known = np.minimum(np.arange(n) + self._queue.blocks - 2, n)
         guess = _Guess(moves.speed, known, fresh, fresh, np.full(n, past.came))
+        distance, asked = moves.distance, None
         for _ in range(n + 2):
-            plan = self._plan(replace(moves, speed=guess.asked), guess)
+            if asked is None or (asked != guess.asked).any():
+                asked = guess.asked
+                limits = self._limits(replace(moves, speed=asked))
+            plan = self._plan(*limits, distance, guess)
             timing = profile(plan)
             start, end = self._times(timing.duration, guess)
             better = self._seen(moves, start, end)
@@ -140,26 +144,28 @@ class BlockQueue:
         )
         return timing[:count], guess.asked[:count]
 
-    def _plan(self, moves: Moves, guess: _Guess) -> Plan:
+    def _limits(self, moves: Moves) -> tuple[Corners, np.ndarray]:
+        """What the blocks allow, and the w that each begins with where the machine stands."""
+        return corner_limits(moves, self._firmware, self._past.move), standing_start(moves, self._firmware)
+
+    def _plan(self, corners: Corners, standing: np.ndarray, distance: np.ndarray, guess: _Guess) -> Plan:
         """Speeds of the blocks, if each knows what it is guessed to know."""
-        corners = corner_limits(moves, self._firmware, self._past.move)
-        D = 2.0 * corners.accel * moves.distance
+        D = 2.0 * corners.accel * distance
         leaves = self._leaving(corners, D, guess.known)
         fresh = guess.fresh
-        standing = np.minimum(standing_start(moves, self._firmware), self._queue.end_w + D)  # it can end there alone
-        enters = np.where(fresh, standing, 0.0)
+        enters = np.where(fresh, np.minimum(standing, self._queue.end_w + D), 0.0)  # it can end there alone
         if not fresh[0]:
             enters[0] = self._past.w_end
         again = fresh.copy()  # a block that begins anew has a corner of its own beside the one before it
         again[0] = False
-        at = np.arange(len(moves)) + np.cumsum(again)
+        at = np.arange(len(D)) + np.cumsum(again)
         W, way = np.zeros(at[-1] + 2), np.full(at[-1] + 1, np.inf)
         W[at + 1], way[at] = leaves, D
         W[at[again]], W[0] = enters[again], enters[0]
         w = reach(W, way)
         w_in, w_out = w[at], w[at + 1]
         c = np.minimum(0.5 * (w_in + w_out + D), corners.cruise)
-        return Plan(moves.distance, corners.accel, np.minimum(w_in, c), c, np.minimum(w_out, c))
+        return Plan(distance, corners.accel, np.minimum(w_in, c), c, np.minimum(w_out, c))
 
     def _leaving(self, corners: Corners, D: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The most each block may end with, so that the last that is known then can end with `end_w`, shape (n,)."""

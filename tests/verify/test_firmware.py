@@ -1,17 +1,12 @@
 """Planners with the queue they really have: an oracle that goes from event to event, and cases by hand."""
 
-import sys
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "motion"))
-
 from random_moves import moves_of, paths
 from scalar_queue import marlin_times, steps_kept
 
@@ -40,7 +35,7 @@ def durations(parts: list[Part]) -> np.ndarray:
     return np.concatenate([part.profile.duration for part in parts])
 
 
-@settings(max_examples=150)
+@settings(max_examples=80)
 @given(
     paths(max_size=60, junction_deviation=np.nan) | paths(max_size=60, junction_deviation=0.02),
     st.sampled_from((4, 8, 16)),
@@ -186,3 +181,13 @@ def test_each_firmware_has_its_planner():
     for firmware in ("marlin", "reprapfirmware"):
         parts = fed(planner_of(replace(printer, firmware=firmware)), moves_of([[5.0, 0, 0, 0.2]] * 30))
         assert sum(len(part.moves) for part in parts) == 30 and (durations(parts) > 0).all()
+
+
+def test_after_homing_a_move_starts_where_the_machine_was_set():
+    """A move of 2 steps is not queued; the one after it, from another place, has nothing to do with it."""
+    moves = moves_of([[10.0, 0, 0, 0], [0.025, 0, 0, 0], [5.0, 0, 0, 0]])
+    moves.start[2] = [200.0, 100.0, 0.0, 0.0]
+    found, tag = Merging(None, (80.0, 80.0, 400.0), None).merged(moves, np.arange(3))
+    assert tag.tolist() == [0, 2]
+    np.testing.assert_allclose(found.start[1], [200.0, 100.0, 0.0, 0.0])
+    np.testing.assert_allclose(found.delta[1], [5.0, 0.0, 0.0, 0.0])
