@@ -64,7 +64,7 @@ def test_a_file_that_is_compensated_is_drawn_as_it_is(part):
     page = part.with_name("p.html")
     assert run(*COMPENSATE, part) == 0
     assert run(*SIMULATE, part.with_name("my part.fbf.gcode"), "--report", page, "--png", part.with_name("p.png")) == 0
-    assert data(page.read_text())["methods"] == ["as sliced"]
+    assert data(page.read_text())["methods"] == ["as written"]
 
 
 def test_a_file_without_motion_has_a_page_and_no_corner(part, capsys):

@@ -47,8 +47,6 @@ class BeforeAfter:
             why, compensated = ("", None) if drawing is self._sliced else (told.why, told)
             warnings = () if compensated is None else told.warnings
             acceleration = self._settings.acceleration
-            results.append(
-                Simulated(name, method, why, (), acceleration, time, figures, motors, compensated, warnings)
-            )
+            results.append(Simulated(name, method, why, (), acceleration, time, figures, motors, compensated, warnings))
         rate, name = 1.0 / self._settings.dt, self._printer.name
         return Simulation(name, name, rate, tuple(marks.features), marks.layers, self._under, tuple(results))

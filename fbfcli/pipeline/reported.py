@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from fbfcli.pipeline.designs import Designs, box_of
 from fbfcli.pipeline.settings import AUTO, Settings
 from fbfcli.pipeline.simulation import Simulated, Simulation
 from fbfcli.pipeline.summary import clock
+from fbfcli.plant.model import modes
 from fbfcli.printer import Printer
 from fbfcli.verify.account import Three
 from fbfcli.verify.figures import before_after, png, worst_seen
@@ -34,9 +36,7 @@ def shown(simulation: Simulation) -> Sequence[Simulated]:
     return [one for one in simulation.results if one.acceleration == simulation.results[0].acceleration]
 
 
-def page(
-    file: str, kept: Kept, simulation: Simulation, printer: Printer, machine: Printer, settings: Settings
-) -> str:
+def page(file: str, kept: Kept, simulation: Simulation, printer: Printer, machine: Printer, settings: Settings) -> str:
     """The report of what was kept of a simulation, HTML.
 
     printer, machine : that the text is meant for, and that draws it
@@ -77,7 +77,7 @@ def subject(file: str, simulation: Simulation, printer: Printer, machine: Printe
             (float(box.acceleration[0]), float(box.acceleration[1])),
             settings.segments_per_second or printer.segments_per_second,
         ),
-        settings=_settings(simulation, named, settings, printer, machine),
+        settings=(*_settings(simulation, named, settings, printer, machine), ("its modes", _modes(designs))),
     )
 
 
@@ -138,7 +138,7 @@ def _faces(named: sheets.Named, features: Sequence[str]) -> tuple[Face, ...]:
             name: other
             for name, one in named
             for other in one.figures[0].walls
-            if (other.axis, other.line) == (wall.axis, wall.line)
+            if other.axis == wall.axis and abs(other.line - wall.line) <= 1  # a sample of it may be of the next line
         }
         where = f"line {wall.line + 1}, layer {wall.layer + 1}, {features[wall.feature]}, {'XY'[wall.axis]} swings"
         found.append(Face(where, {k: v.along for k, v in same.items()}, {k: UM * v.off for k, v in same.items()}))
@@ -154,7 +154,16 @@ def _settings(
     return (*pairs, ("machine", conditions), ("samples", f"{simulation.rate:g} per second"))
 
 
+def _modes(designs: Designs) -> str:
+    """The frequencies that the pictures are to be read with."""
+    told = []
+    for axis, plant in zip("XY", designs.plants(0), strict=True):
+        each = [f"{mode.frequency:.1f} Hz damping {mode.damping:.3f}" for mode in modes(plant)]
+        told.append(f"{axis} {', '.join(each) or 'none'}")
+    return "; ".join(told)
+
+
 def _told(one: Simulated, settings: Settings) -> str:
     made = "; made for " + ", ".join(f"{each.frequency:.1f} Hz, damping {each.damping:.3f}" for each in one.made_for)
-    return settings.told(one.method) + (made if one.made_for else "") + (f" ({one.why})" if one.why else "")
-
+    told = replace(settings, acceleration=one.acceleration).told(one.method)
+    return told + (made if one.made_for else "") + (f" ({one.why})" if one.why else "")

@@ -15,10 +15,11 @@ from fbfcli.plant.frf import Frf, trusted
 from fbfcli.units import UM_PER_MM
 from fbfcli.verify import palette
 from fbfcli.verify.close_ups import CloseUp, Window
+from fbfcli.verify.curves import HIGHEST_HZ, Method
 from fbfcli.verify.envelope import Envelope
 from fbfcli.verify.layer_paths import Layer, Path
 from fbfcli.verify.subject import BA, Face, Subject
-from fbfcli.verify.traces import HIGHEST_HZ, Kept, Method
+from fbfcli.verify.traces import Kept
 
 LINES = 300  # of a plant's response
 FINE = 1e4  # steps in a mm that corners are told in

@@ -63,7 +63,8 @@ class Course:
         return len(self.u)
 
     def __getitem__(self, rows: slice) -> Course:
-        return Course(*(values[rows] for values in vars(self).values()))
+        """Some of them, without the rest held in memory: windows wait to be integrated together."""
+        return Course(*(values[rows].copy() for values in vars(self).values()))
 
 
 def joined(courses: Sequence[Course]) -> Course:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -42,16 +41,4 @@ def square(layers: int, amplitude: float, seed: int = 0, travel: bool = True) ->
 def pieces(passage: Passage, cuts: list[int]) -> list[Passage]:
     """The passage as it may arrive."""
     edges = [0, *sorted({cut for cut in cuts if 0 < cut < len(passage)}), len(passage)]
-    return [rows(passage, a, b) for a, b in pairwise(edges)]
-
-
-def rows(passage: Passage, a: int, b: int) -> Passage:
-    """Samples a to b of it."""
-    e = passage.execution
-    here = (e.begin >= a) & (e.begin < b)
-    cut = {name: getattr(e, name)[a:b] for name in ("time", "line", "layer", "feature", "desired", "command", "motion",
-                                                    "extruding")}  # fmt: skip
-    return Passage(
-        replace(e, begin=e.begin[here] - a, rest=e.rest[here], **cut),
-        *(getattr(passage, name)[a:b] for name in ("nozzle", "tracking", "contour", "across", "along")),
-    )
+    return [passage[a:b] for a, b in pairwise(edges)]
