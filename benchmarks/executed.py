@@ -11,13 +11,14 @@ from fbfcli.gcode.scan import chunks
 from fbfcli.pipeline import Settings, Summary, compensate
 from fbfcli.plant.model import Plant
 from fbfcli.printer import Printer
+from fbfcli.verify.bead import Beads
 from fbfcli.verify.contour_error import contour_error
+from fbfcli.verify.heading import Heading, along_and_across, moving
+from fbfcli.verify.held_back import stretch_ends
 from fbfcli.verify.simulate import Nozzle
 from fbfcli.verify.tally import Stretches
 
 STRIDE = 4  # samples between those whose error is measured
-SLOW = 1e-3  # mm a sample: slower, a direction means nothing
-BEAD = 0.4  # mm: no bead's width changes over less than a nozzle's
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Executed:
     extruding : ndarray of bool, shape (n,)
     begin     : ndarray of int, shape (s,)     first sample of each stretch
     rest      : ndarray of int, shape (s,)     samples of rest before each
+    dt        : float                          [s]
     """
 
     summary: Summary
@@ -40,6 +42,7 @@ class Executed:
     extruding: np.ndarray
     begin: np.ndarray
     rest: np.ndarray
+    dt: float
 
     def nozzle(self, plants: tuple[Plant, ...], ahead: tuple[float, ...] = (0.0, 0.0)) -> np.ndarray:
         """Where these plants put the nozzle, shape (n, 2) [mm]; the command comes `ahead` [samples] of its time."""
@@ -50,37 +53,22 @@ class Executed:
     def contour(self, nozzle: np.ndarray) -> float:
         """RMS distance of the nozzle from the path while extruding [mm]."""
         at = np.flatnonzero(self.extruding)[::STRIDE]
-        stretch = np.searchsorted(self.begin, at, side="right") - 1
-        last = np.append(self.begin[1:], len(self.desired))[stretch] - 1
-        return rms(contour_error(nozzle, self.desired, at, self.begin[stretch], last))
+        first, last = stretch_ends(at, self.begin, len(self.desired))
+        return rms(contour_error(nozzle, self.desired, at, first, last, self.dt))
 
     def along(self, nozzle: np.ndarray) -> float:
-        """RMS of the error along the path while extruding [mm]."""
-        step, moving = self._steps()
-        tangent = step[moving] / np.hypot(step[moving, 0], step[moving, 1])[:, None]
-        return rms(np.einsum("ij,ij->i", nozzle[moving] - self.desired[moving], tangent))
+        """RMS of the error along the path while it is printed at speed [mm]."""
+        at = self.extruding & moving(self.desired, self.dt)[1]
+        heading = Heading(self.dt).follow(self.desired, self.begin)
+        return rms(along_and_across(nozzle - self.desired, heading)[0][at])
 
     def ripple(self, nozzle: np.ndarray, sliced: Executed) -> float:
-        """RMS deviation of a bead's width from the sliced one, mm by mm: E per mm of the nozzle's way over E per mm of
-        path, in pieces of BEAD.
+        """RMS deviation of a bead's width from the sliced one, mm by mm.
 
         sliced : the same print with E on the desired motion's time base
         """
-        step, moving = self._steps()
-        way = np.where(moving, np.hypot(*step.T), 0.0)
-        piece = (np.cumsum(way) / BEAD).astype(np.int64)
-        first = np.flatnonzero(np.diff(piece, prepend=-1))
-        went = np.hypot(*np.diff(nozzle, axis=0, prepend=nozzle[:1]).T)
-        pushed, wanted = (np.diff(each.motion[:, 3], prepend=0.0) for each in (self, sliced))
-        way, went, pushed, wanted = (np.add.reduceat(each, first) for each in (way, went, pushed, wanted))
-        whole = np.logical_and.reduceat(moving, first) & (wanted > 0.0)
-        width = (pushed[whole] / went[whole]) / (wanted[whole] / way[whole])
-        return float(np.sqrt(np.average((width - 1.0) ** 2, weights=way[whole])))
-
-    def _steps(self) -> tuple[np.ndarray, np.ndarray]:
-        """Desired displacement of each sample, (n, 2), and the samples that print at speed, bool, (n,)."""
-        step = np.diff(self.desired, axis=0, prepend=self.desired[:1])
-        return step, self.extruding & (np.hypot(*step.T) > SLOW)
+        pushed, wanted = self.motion[:, 3], sliced.motion[:, 3]
+        return Beads(self.dt).add(self.desired, nozzle, pushed, wanted, self.extruding, self.begin).rms
 
 
 def executed(text: bytes, printer: Printer, settings: Settings) -> Executed:
@@ -97,7 +85,7 @@ def executed(text: bytes, printer: Printer, settings: Settings) -> Executed:
         n += len(part.desired) - new
 
     done = compensate(chunks(io.BytesIO(text)), printer, settings, lambda written: None, watch=keep)
-    return Executed(done.summary, *(np.concatenate(column) for column in zip(*parts, strict=True)))
+    return Executed(done.summary, *(np.concatenate(column) for column in zip(*parts, strict=True)), settings.dt)
 
 
 def rms(error: np.ndarray) -> float:

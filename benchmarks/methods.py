@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import io
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from executed import executed
 from page import put
-from trajectory import motion
 
 from fbfcli.cli.lookup import bundled
 from fbfcli.control.design import METHODS
 from fbfcli.control.limits import peaks
 from fbfcli.errors import ModelError
-from fbfcli.gcode.scan import chunks
-from fbfcli.pipeline import Settings, Summary, compensate
+from fbfcli.pipeline import Settings, Summary
 from fbfcli.pipeline.summary import clock
 from fbfcli.printer import Printer
 
@@ -54,9 +52,8 @@ class Result:
 def result(text: bytes, printer: Printer, method: str, segments: float | None) -> Result:
     """Compensate the text by a method; what the written file does, and what was commanded."""
     settings = Settings(method=method, acceleration=ACCELERATION, segments_per_second=segments)
-    done = compensate(chunks(io.BytesIO(text)), printer, settings, lambda written: None)
-    moved = motion(text, printer, settings)
-    return Result(done.summary, float(np.max(peaks(moved.command, moved.begin, settings.dt)[1])))
+    done = executed(text, printer, settings)
+    return Result(done.summary, float(np.max(peaks(done.command, done.begin, settings.dt)[1])))
 
 
 def table(text: bytes, printer: Printer, segments: float | None) -> str:

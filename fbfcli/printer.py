@@ -105,6 +105,50 @@ class Place:
 
 
 @dataclass(frozen=True)
+class Motor:
+    """A hybrid stepper, its drive, and the belt or screw on its shaft.
+
+    name           : for people
+    full_steps     : of one turn
+    holding_torque : both phases at the rated current [N m]
+    rated_current  : of a phase [A]
+    resistance, inductance : of a phase [ohm, H]
+    rotor_inertia  : [kg m^2]
+    supply_voltage : of the drive [V]
+    run_current    : of a phase, RMS [A]
+    microsteps     : of a full step
+    mm_per_turn    : how far the axis goes in one turn of the shaft [mm]
+    detent_torque  : without current [N m]
+    damping        : damping ratio of the rotor's own oscillation
+    interpolation  : the drive makes 256 microsteps of every full step, whatever it is sent
+    """
+
+    name: str
+    full_steps: int
+    holding_torque: float
+    rated_current: float
+    resistance: float
+    inductance: float
+    rotor_inertia: float
+    supply_voltage: float
+    run_current: float
+    microsteps: int
+    mm_per_turn: float
+    detent_torque: float = 0.0
+    damping: float = 0.05
+    interpolation: bool = False
+
+
+@dataclass(frozen=True)
+class Load:
+    """What moving along an axis costs: mass [kg], dry friction [N], and friction that grows with speed [N s/mm]."""
+
+    mass: float
+    friction: float = 0.0
+    viscous: float = 0.0
+
+
+@dataclass(frozen=True)
 class Axis:
     """One linear axis of the tool. `model` is None for an axis that is not compensated (Z).
 
@@ -114,6 +158,9 @@ class Axis:
     command_acceleration  : highest acceleration a compensated command may have [mm/s^2]
     uncertainty           : how far the axis may be from its model; None: nobody has said
     at                    : models at several places, all told by the same coordinates; the model changes between them
+    coupling              : what the command of the other of X and Y adds to the position; it stands where that one does
+    motor                 : the one that steps_per_mm is of; None: nobody has said
+    load                  : of what moves along the axis; there if a motor is
     """
 
     name: str
@@ -124,6 +171,9 @@ class Axis:
     model: Model | None = None
     uncertainty: Spread | Family | None = None
     at: tuple[Place, ...] = ()
+    coupling: ModalModel | TransferFunction | None = None
+    motor: Motor | None = None
+    load: Load | None = None
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,9 @@ from dataclasses import fields
 from itertools import pairwise
 from math import inf, nan, radians
 
+from fbfcli.coupling_toml import coupling
 from fbfcli.errors import ProfileError
+from fbfcli.motor_toml import check_motors, load, motor
 from fbfcli.printer import (
     FIRMWARES,
     KINEMATICS,
@@ -59,13 +61,16 @@ def parse_printer(text: str, file: str, read: Read | None = None) -> Printer:
     thickest = 4.0 * nozzle**2 if firmware == "klipper" else inf
     axes = whole.table("axis").only("x", "y", "z", "e")
     limits = _limits(whole.table("limits"), axes, firmware)
+    kinematics = about.choice("kinematics", KINEMATICS)
+    built = (_axis(axes.table("x"), 0, limits, read), _axis(axes.table("y"), 1, limits, read),
+             _axis(axes.table("z"), 2, limits, read))
+    check_motors(axes, built, kinematics)
     return Printer(
         name=about.text("name"),
         source=about.text("source", "not stated"),
         firmware=firmware,
-        kinematics=about.choice("kinematics", KINEMATICS),
-        axes=(_axis(axes.table("x"), 0, limits, read), _axis(axes.table("y"), 1, limits, read),
-              _axis(axes.table("z"), 2, limits, read)),
+        kinematics=kinematics,
+        axes=built,
         limits=limits,
         segments_per_second=about.number("segments_per_second", SEGMENTS_PER_SECOND[firmware]),
         nozzle_diameter=nozzle,
@@ -144,8 +149,9 @@ def _limits(table: Table, axes: Table, firmware: str) -> Limits:
 def _axis(table: Table, index: int, limits: Limits, read: Read | None) -> Axis:
     """One of X, Y, Z; the keys that Limits takes are checked there. Z is never compensated and has no model."""
     name = "XYZ"[index]
+    of_flat = ["model", "uncertainty", "at", "coupling"] if name != "Z" else []
     table.only("travel", "steps_per_mm", "max_velocity", "max_acceleration", "jerk", "command_velocity",
-               "command_acceleration", *(["model", "uncertainty", "at"] if name != "Z" else []))
+               "command_acceleration", "motor", "load", *of_flat)
     travel = table.numbers("travel", "travel = [0, 200]")
     if len(travel) != 2:
         table.refuse("travel", "must be two numbers", "lowest and highest position: travel = [0, 200]")
@@ -154,23 +160,27 @@ def _axis(table: Table, index: int, limits: Limits, read: Read | None) -> Axis:
     velocity = min(limits.velocity, limits.axis_velocity[index])
     acceleration = min(max(limits.acceleration, limits.travel_acceleration), limits.axis_acceleration[index])
 
-    def model_of(inner: Table) -> Model:
-        return _model(inner, read)
+    def model_of(inner: Table, gain: float = 1.0) -> Model:
+        return _model(inner, read, gain)
 
     at = places(table, model_of) if "at" in table.values else ()
+    steps_per_mm = table.number("steps_per_mm")
     return Axis(
         name=name,
         travel=(travel[0], travel[1]),
-        steps_per_mm=table.number("steps_per_mm"),
+        steps_per_mm=steps_per_mm,
         command_velocity=table.number("command_velocity", COMMAND_VELOCITY_FACTOR * velocity),
         command_acceleration=table.number("command_acceleration", COMMAND_ACCELERATION_FACTOR * acceleration),
         model=model_of(table.table("model")) if "model" in table.values else at[0].model if at else None,
         uncertainty=uncertainty(table, model_of) if "uncertainty" in table.values else None,
         at=at,
+        coupling=coupling(table, model_of) if "coupling" in table.values else None,
+        motor=motor(table, steps_per_mm) if "motor" in table.values else None,
+        load=load(table) if "load" in table.values else None,
     )
 
 
-def _model(table: Table, read: Read | None) -> Model:
+def _model(table: Table, read: Read | None, gain: float) -> Model:
     table.only(*MODEL_KEYS)
     forms = [form for form in MODEL_FORMS if form in table.values]
     if len(forms) != 1:
@@ -179,7 +189,7 @@ def _model(table: Table, read: Read | None) -> Model:
     form = forms[0]
     table.only(*{"b": ("b", "a", "dt"), "impulse_response": (form, "dt")}.get(form, (form,)))
     if form == "modes":
-        return _modal(table)
+        return _modal(table, gain)
     if form == "b":
         return _transfer_function(table)
     columns = _columns(table, form, read)
@@ -190,12 +200,13 @@ def _model(table: Table, read: Read | None) -> Model:
     return _frequency_response(table, columns)
 
 
-def _modal(table: Table) -> ModalModel:
+def _modal(table: Table, gain: float) -> ModalModel:
     modes = tuple(_mode(each.only("frequency", "damping", "gain")) for each in table.tables("modes", EXAMPLE_MODES))
     total = sum(mode.gain for mode in modes)
-    if abs(total - 1.0) > GAIN_TOLERANCE:
-        table.refuse("modes", f"the gains sum to {total:g}, not 1",
-                     "each mode has gain = <part>, together 1: at rest the position is the command")
+    if abs(total - gain) > GAIN_TOLERANCE:
+        table.refuse("modes", f"the gains sum to {total:g}, not {gain:g}",
+                     f"each mode has gain = <part>, together {gain:g}: at rest "
+                     f"{'the position is the command' if gain else 'the other axis moves nothing'}")
     return ModalModel(modes)
 
 

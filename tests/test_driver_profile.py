@@ -10,7 +10,7 @@ from fbfcli.errors import ProfileError
 from fbfcli.printer import Driver, Printer
 from fbfcli.printer_toml import parse_printer
 
-TEXT = (Path(__file__).parents[1] / "configs" / "synthetic_corexy.toml").read_text()
+TEXT = (Path(__file__).parents[1] / "configs" / "synthetic_two_mode.toml").read_text()
 
 
 def with_driver(table: str) -> Printer:
@@ -50,7 +50,7 @@ def test_the_extruders_steps_are_optional_and_above_zero():
 
 def test_a_deltas_arms_must_reach_its_centre():
     size = 'kinematics = "delta"\ndelta_radius = 140\narm_length = {}'
-    good = parse_printer(TEXT.replace('kinematics = "corexy"', size.format(300)), "mine.toml")
+    good = parse_printer(TEXT.replace('kinematics = "cartesian"', size.format(300)), "mine.toml")
     assert (good.delta_radius, good.arm_length) == (140.0, 300.0)
     with pytest.raises(ProfileError, match="not longer than delta_radius = 140"):
-        parse_printer(TEXT.replace('kinematics = "corexy"', size.format(140)), "mine.toml")
+        parse_printer(TEXT.replace('kinematics = "cartesian"', size.format(140)), "mine.toml")

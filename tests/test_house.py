@@ -13,7 +13,7 @@ PACKAGE = ROOT / "fbfcli"
 FLOORS = (  # from the ground up: imports go strictly down, and rooms on one floor do not know each other
     ("digits", "errors", "units"),
     ("printer", "toml_table"),
-    ("uncertainty_toml", "profile_text"),
+    ("uncertainty_toml", "motor_toml", "coupling_toml", "profile_text"),
     ("printer_toml",),
     ("motion", "plant", "control", "steps"),
     ("gcode", "verify", "papers"),

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import click
 
-from fbfcli.cli.files import DASH, check_targets, is_stream, reading, writing
+from fbfcli.cli.files import DASH, check_targets, is_stream, one_stream, reading, writing
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import method_options, settings_of
 from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
+from fbfcli.cli.pictures import Pictures, report_option
 from fbfcli.cli.telling import named, progress_bar, tell_json
 from fbfcli.errors import FbfError
 
@@ -47,6 +48,7 @@ SUFFIX = ".fbf"
     metavar="PER_S",
     help="Segments per second the firmware takes. [default: the profile's]",
 )
+@report_option
 @json_option
 @click.option(
     "--log", "log_to", metavar="FILE", help="Append the summary, or the error, to a file (Windows slicers hide both)."
@@ -59,6 +61,7 @@ def compensate(
     printer: str | None,
     output: str | None,
     in_place: bool,
+    report: str | None,
     json_to: str | None,
     log_to: str | None,
     dry_run: bool,
@@ -75,14 +78,15 @@ def compensate(
     fbf compensate part.gcode -p synthetic_bed_slinger       writes part.fbf.gcode
     fbf compensate part.gcode -p taz6 --accel 5000           plans with a higher acceleration
     fbf compensate -i -p ~/my_printer.toml part.gcode        in a slicer's post-processing box
+    fbf compensate part.gcode -p taz6 --report part.html     shows before and after
     fbf compensate part.gcode -p taz6 --spread 10            trusts the model within 10 %
     fbf compensate -p taz6 -m zv --dry-run --json - part.gcode | jq .contour_after
     zcat part.gcode.gz | fbf compensate -p taz6 - > out.gcode
     """
     with _logged(log_to):
-        target = _target(file, output, in_place, dry_run, json_to, log_to)
+        target = _target(file, output, in_place, dry_run, json_to, report, log_to)
         settings = settings_of(how, patch_times=target is not None and not is_stream(target))
-        done = _compensate(file, target, printer, settings, force, quiet)
+        done = _compensate(file, target, printer, settings, Pictures(report), force, quiet)
         if not quiet:
             click.echo(done.summary.text(), err=True)
         if json_to:
@@ -91,17 +95,14 @@ def compensate(
             _log(log_to, f"{file}: {done.summary.text()}")
 
 
-def _target(
-    file: str, output: str | None, in_place: bool, dry_run: bool, json_to: str | None, log_to: str | None
-) -> str | None:
-    """Where the new text goes: a file, standard output, or (None) nowhere."""
+def _target(file: str, output: str | None, in_place: bool, dry_run: bool, *told: str | None) -> str | None:
+    """Where the new text goes: a file, standard output, or (None) nowhere. `told`: other files to be written."""
     if in_place and (file == DASH or output):
         raise click.UsageError("-i changes FILE itself: it takes a file, and no -o")
     target = None if dry_run else file if in_place else output or (DASH if file == DASH else _beside(file))
-    if target == DASH and json_to == DASH:
-        raise click.UsageError("the G-code and --json both go to standard output: give one of them a file")
-    check_targets([file], json_to, log_to)
-    check_targets([], target, json_to, log_to)  # FILE may be changed itself
+    one_stream(target, *told)
+    check_targets([file], *told)
+    check_targets([], target, *told)  # FILE may be changed itself
     return target
 
 
@@ -111,7 +112,13 @@ def _beside(file: str) -> str:
 
 
 def _compensate(
-    file: str, target: str | None, printer: str | None, settings: Settings, force: bool, quiet: bool
+    file: str,
+    target: str | None,
+    printer: str | None,
+    settings: Settings,
+    pictures: Pictures,
+    force: bool,
+    quiet: bool,
 ) -> Done:
     """Read, compensate and write; a file appears when all of it is there."""
     from fbfcli.gcode.scan import chunks
@@ -127,7 +134,14 @@ def _compensate(
                 f"{file}: is compensated already; a second pass would shake the print (--force if it must be)"
             )
         with _writing(target) as write:
-            done = run(texts, machine, settings, write.text, progress)
+            if not pictures.watchers:
+                done = run(texts, machine, settings, write.text, progress)
+            else:
+                from fbfcli.pipeline.before_after import BeforeAfter
+
+                drawn = BeforeAfter(machine, settings, pictures.watchers)
+                done = run(drawn.passing(texts), machine, settings, write.text, progress, drawn.watch)
+                pictures.write(file, drawn.simulation(done), machine, machine, settings)
             write.fill_in(done)
         return done
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
 import stat
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -35,6 +36,26 @@ def reading(name: str) -> Iterator[BinaryIO]:
         yield stream
 
 
+@contextmanager
+def rereading(name: str) -> Iterator[tuple[Callable[[], BinaryIO], int]]:
+    """What gives a file from its beginning as often as it is asked, and its size; a pipe's text is kept meanwhile.
+
+    Raises FbfError where there is nothing to read.
+    """
+    with ExitStack() as files:
+        source = files.enter_context(reading(name))
+        if name == DASH or not Path(name).is_file():
+            kept = files.enter_context(tempfile.TemporaryFile())
+            shutil.copyfileobj(source, kept)
+            source = kept  # type: ignore[assignment]
+
+        def again() -> BinaryIO:
+            source.seek(0)
+            return source
+
+        yield again, source.seek(0, os.SEEK_END)
+
+
 def is_stream(name: str) -> bool:
     """Standard output, a pipe or a device: text goes there as it comes, nothing can be put right afterwards."""
     path = Path(name)
@@ -57,6 +78,12 @@ def check_targets(read: Sequence[str], *written: str | None) -> None:
             raise click.UsageError(f"two things would be written to {name}: give one of them another name")
         if not is_stream(name):  # a device may take several
             outputs.add(place)
+
+
+def one_stream(*written: str | None) -> None:
+    """Refuse to write two things to standard output."""
+    if written.count(DASH) > 1:
+        raise click.UsageError("two things would go to standard output: give one of them a file")
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from fbfcli.errors import FbfError
 
 VERBS = {  # module and command in fbfcli.cli, and its help in one line: numpy is not imported to print this
     "compensate": "Change a print so that a vibrating printer follows it.",
+    "simulate": "Show where the nozzle of a vibrating printer really goes.",
     "steps": "Turn a print into the step pulses of its motors.",
     "excite": "Write a sweep that shows how a printer vibrates, and what it commands.",
     "identify": "Find how an axis vibrates from recordings.",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from fbfcli.cli.options import Number
+from fbfcli.cli.options import Number, Numbers
 
 if TYPE_CHECKING:
     from fbfcli.pipeline import Settings
@@ -37,12 +37,14 @@ METHODS = (
 INVERSION_METHODS = METHODS[METHODS.index("npz_ignore") :]
 SPLINE_METHODS = ("auto", "lpfbs", "fbf", "robust", "robust_fbf", "contour")
 PREVIEW_METHODS = ("auto", "lpfbs", "robust", "contour", "stable_inversion")
+SHAPERS = METHODS[METHODS.index("zv") : METHODS.index("lpfbs")]
 FIR_METHODS = ("lpfbs", "fbf")  # whose impulse response may be cut: the others cut theirs by their own rule
 FAMILY_METHODS = ("auto", "robust", "robust_fbf", "contour")
 ONLY_FOR = (  # options that mean nothing to other methods
     ({"knots", "degree", "mu", "settle"}, SPLINE_METHODS),
     ({"preview"}, PREVIEW_METHODS),
     ({"fir"}, FIR_METHODS),
+    ({"shaped"}, SHAPERS),
     ({"spread"}, FAMILY_METHODS),
     ({"terms"}, ("ebzpetc", "ts")),
     ({"smooth", "zero_damping"}, INVERSION_METHODS),
@@ -93,6 +95,12 @@ _OPTIONS = (
         type=Number(min=1),
         metavar="MM/S",
         help="Plan with this speed limit instead of the file's.",
+    ),
+    click.option(
+        "--shaped",
+        type=Numbers(),
+        metavar="HZ,HZ",
+        help="Shapers: frequencies of X and Y that they are made for. [default: those of the strongest modes]",
     ),
     click.option("--knots", type=click.IntRange(1, 200), metavar="MS", help="Splines: spacing of their knots."),
     click.option("--degree", type=click.IntRange(2, 9), metavar="M", help="Splines: their degree."),
@@ -163,5 +171,13 @@ def settings_of(how: dict[str, Any], patch_times: bool) -> Settings:
         spread=given["spread"] / PERCENT if "spread" in given else None,
         with_nozzle=given["extrusion"] == "nozzle" if "extrusion" in given else None,
         fir=samples.get("fir"),
+        shaped=_two(given["shaped"]) if "shaped" in given else None,
         patch_times=patch_times,
     )
+
+
+def _two(frequencies: tuple[float, ...]) -> tuple[float, float]:
+    """One for both axes, or one each. Raises UsageError."""
+    if len(frequencies) > 2:
+        raise click.UsageError("--shaped takes one frequency, or those of X and Y")
+    return frequencies[0], frequencies[-1]

@@ -18,6 +18,19 @@ class Number(click.FloatRange):
         return number
 
 
+class Numbers(click.ParamType):
+    """Positive numbers up to `most`, with commas between them; a % after one is taken as said."""
+
+    name = "numbers"
+
+    def __init__(self, most: float | None = None):
+        self._one = Number(min=0, min_open=True, max=most)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
+        words = [word.strip().removesuffix("%") for word in str(value).split(",")]
+        return tuple(dict.fromkeys(self._one.convert(word, param, ctx) for word in words))
+
+
 printer_option = click.option(
     "-p", "--printer", metavar="NAME|FILE", help="Printer profile (else FBF_PRINTER, else ~/.config/fbf/printer.toml)."
 )

@@ -91,9 +91,11 @@ def steps(
     targets = _targets(file, output, ENDINGS[name], events, json_to, dry_run)
     summary, size = _steps(file, printer, how, name, rate, targets, quiet)
     if not quiet:
+        from fbfcli.pipeline.rows import row
+
         total = sum(motor.steps for motor in summary.motors)
         click.echo(summary.text(), err=True)
-        click.echo(f"{'size:':15s}{size:,} bytes as {name}, {size / max(total, 1):.2f} per step", err=True)
+        click.echo(row("size", f"{size:,} bytes as {name}, {size / max(total, 1):.2f} per step"), err=True)
     if json_to:
         tell_json(json_to, {"format": name, "bytes": size, **summary.as_dict()})
 

@@ -11,8 +11,8 @@ development branch has since dropped the safe speed).
 RepRapFirmware: src/Movement/DDA.cpp, Init, DoLookahead and MatchSpeeds.
 
 Queues are taken as long enough: the firmware always sees as far ahead as it needs. Steps, and with them Marlin's
-merging of moves of a few steps, are not modelled; nor is the start from standstill at Marlin's safe speed: a stop is
-w = 0.
+merging of moves of a few steps, are not modelled here (`verify.firmware` does); nor is the start from standstill at
+Marlin's safe speed: a stop is w = 0.
 """
 
 from __future__ import annotations
@@ -85,6 +85,19 @@ def corner_limits(moves: Moves, firmware: str, previous: Moves | None = None) ->
             entry[:1] = corner(paths(previous), own.part(slice(0, 1)))
     entry[moves.stop] = 0.0
     return Corners(own.w, own.a, entry, own.smooth)
+
+
+def standing_start(moves: Moves, firmware: str) -> np.ndarray:
+    """The w that each of n moves begins with where the machine stands, shape (n,).
+
+    Marlin starts at the speed from which it may halt at once, with junction deviation at the minimum planner speed.
+    """
+    if firmware != "marlin":
+        return np.zeros(len(moves))
+    paths = marlin_paths(moves)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        safe = np.minimum(paths.w, _box(paths.r, paths.rule[1:5]) ** 2)
+    return np.where(np.isnan(paths.rule[0]), safe, np.minimum(MARLIN_MIN_W, paths.w))
 
 
 def klipper_paths(moves: Moves) -> Paths:

@@ -6,6 +6,8 @@ cartesian : q = x
 corexy    : q_a = x + y, q_b = x - y (Moyer, corexy.com; Klipper kin_corexy.c)
 delta     : carriage i on a vertical tower at T_i, an arm of length L from it to the toolhead:
             q_i = z + sqrt(L^2 - |T_i - (x, y)|^2) (Klipper kin_delta.c), back by intersecting three spheres
+
+Forces F at the toolhead are forces f at the motors, J^T f = F with J = dq / dx: the work is the same.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
-from fbfcli.errors import ProfileError
+from fbfcli.errors import LimitError, ProfileError
 from fbfcli.printer import Printer
 
 TOWERS_DEG = (210.0, 330.0, 90.0)  # a, b, c as seen from above, counter-clockwise from +X
@@ -36,6 +38,10 @@ class Kinematics(Protocol):
         """Toolhead positions for motor positions, nan where there are none."""
         ...
 
+    def forces(self, x: np.ndarray, F: np.ndarray) -> np.ndarray:
+        """Forces of the motors along q that hold forces F at the toolhead [N], shape (n, 3)."""
+        ...
+
 
 @dataclass(frozen=True)
 class Cartesian:
@@ -51,6 +57,10 @@ class Cartesian:
         """The same."""
         return np.asarray(q, float)
 
+    def forces(self, x: np.ndarray, F: np.ndarray) -> np.ndarray:
+        """The same."""
+        return np.asarray(F, float)
+
 
 @dataclass(frozen=True)
 class CoreXY:
@@ -65,6 +75,10 @@ class CoreXY:
     def toolhead(self, q: np.ndarray) -> np.ndarray:
         """Half of sum and difference."""
         return np.column_stack([0.5 * (q[:, 0] + q[:, 1]), 0.5 * (q[:, 0] - q[:, 1]), q[:, 2]])
+
+    def forces(self, x: np.ndarray, F: np.ndarray) -> np.ndarray:
+        """Half of sum and difference: both motors bear a push along X or Y."""
+        return self.toolhead(F)
 
 
 @dataclass(frozen=True)
@@ -110,6 +124,26 @@ class Delta:
         left = half_b * half_b - a * c
         z = (-half_b - np.sqrt(np.where(left >= 0.0, left, np.nan))) / a
         return np.column_stack([p + s * z[:, None], z])
+
+    def forces(self, x: np.ndarray, F: np.ndarray) -> np.ndarray:
+        """From the slopes of the arms: dq_i = dz + (T_i - (x, y)) . d(x, y) / height of arm i; nan out of reach."""
+        J = np.ones((len(x), 3, 3))
+        offset = self.towers[None] - x[:, None, :2]
+        J[:, :, :2] = offset / (self.motors(x) - x[:, 2:])[:, :, None]
+        return np.linalg.solve(J.transpose(0, 2, 1), F[:, :, None])[:, :, 0]
+
+
+def in_reach(kinematics: Kinematics, x: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Motor positions for toolhead positions that lines, from 0, ask for. Raises LimitError where there are none."""
+    q = kinematics.motors(x)
+    if np.isnan(q).any():
+        i = int(np.flatnonzero(np.isnan(q).any(axis=1))[0])
+        at = x[i].tolist()
+        raise LimitError(
+            f"line {line[i] + 1}: X{at[0]:.3f} Y{at[1]:.3f} Z{at[2]:.3f} is out of the arms' reach "
+            "(check delta_radius and arm_length, or move the part to the middle)"
+        )
+    return q
 
 
 def kinematics_of(printer: Printer) -> Kinematics:

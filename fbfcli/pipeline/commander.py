@@ -32,6 +32,8 @@ class Batch:
     desired    : ndarray, shape (n, 4)           X Y Z E [mm]
     command    : ndarray, shape (n, 2)           X Y [mm]
     extruding  : ndarray of bool, shape (n,)
+    asked      : ndarray of int, shape (n,)      line of the file that asks for each sample
+    filament   : ndarray, shape (n,)             E as sliced [mm]
     place      : ndarray of int, shape (n,)      where the print is, as `Designs` tells places apart
     dropped    : int                             samples that the next batch does not see again
     """
@@ -45,6 +47,8 @@ class Batch:
     desired: np.ndarray
     command: np.ndarray
     extruding: np.ndarray
+    asked: np.ndarray
+    filament: np.ndarray
     place: np.ndarray
     dropped: int
 
@@ -56,14 +60,15 @@ class Batch:
 
 @dataclass(frozen=True)
 class _Samples:
-    """Rows of a trajectory: desired (n, 4), extruding (n,), and the commands known so far (k <= n, 2)."""
+    """Rows of a trajectory: desired (n, 4), extruding and line (n,), and the commands known so far (k <= n, 2)."""
 
     desired: np.ndarray
     extruding: np.ndarray
+    line: np.ndarray
     command: np.ndarray
 
     def __getitem__(self, rows: slice) -> _Samples:
-        return _Samples(self.desired[rows], self.extruding[rows], self.command[rows])
+        return _Samples(self.desired[rows], self.extruding[rows], self.line[rows], self.command[rows])
 
 
 @dataclass(frozen=True)
@@ -137,9 +142,10 @@ class Commander:
         if self._open:
             lines[0] = self._open.line
         while True:
-            grid, desired, extruding = self._sampled(part, inside, attempts)
+            grid, desired, move = self._sampled(part, inside, attempts)
             self._attempt(grid, desired, attempts)
-            grid, samples = self._joint(grid, _Samples(desired, extruding, _joined(attempts)))
+            extruding, line = part.moves.delta[move, E] > 0.0, part.moves.line[move]
+            grid, samples = self._joint(grid, _Samples(desired, extruding, line, _joined(attempts)))
             bad = self._violations(grid, samples)
             if not len(bad):
                 break
@@ -150,7 +156,7 @@ class Commander:
         return self._finish(grid, samples, starts, np.array(lines, dtype=np.int64), attempts)
 
     def _sampled(self, part: Part, inside: np.ndarray, attempts: list[_Attempt]) -> tuple[Grid, np.ndarray, np.ndarray]:
-        """Grid, desired positions and where E is pushed, of the stretches of a part (an open one: its new samples)."""
+        """Grid, desired positions and moves of the samples, of the stretches of a part (an open one: its new ones)."""
         profile = part.profile
         slow = np.array([attempt.slow for attempt in attempts])
         if (slow != 1.0).any():
@@ -160,13 +166,13 @@ class Commander:
         goes_on = bool(attempts and attempts[-1].goes_on)
         grid = lay(part.moves, inside, profile.duration, self._dt, self._rests, phase, goes_on)
         if not len(grid.move):
-            return grid, np.zeros((0, 4)), np.zeros(0, dtype=bool)
+            return grid, np.zeros((0, 4)), np.zeros(0, dtype=np.int64)
         moves, timing = (part.moves, profile) if inside.all() else (part.moves[grid.move], profile[grid.move])
         x, index = sample(moves.start, moves.delta, moves.distance, timing, grid.t0 * self._dt, grid.count, self._dt)
         new = slice(1 if self._open else 0, None)
         for k in range(self._rests.lead + 1):  # before its first move a stretch rests where that begins
             x[grid.begin[new] + k] = moves.start[grid.first[:-1][new]]
-        return grid, x, (moves.delta[:, E] > 0.0)[index]
+        return grid, x, grid.move[index]
 
     def _attempt(self, grid: Grid, desired: np.ndarray, attempts: list[_Attempt]) -> None:
         """Compensate every stretch that has no command yet."""
@@ -214,6 +220,7 @@ class Commander:
         return grid, _Samples(
             np.concatenate([left.desired, samples.desired]),
             np.concatenate([left.extruding, samples.extruding]),
+            np.concatenate([left.line, samples.line]),
             np.concatenate([left.command, samples.command]),
         )
 
@@ -265,6 +272,8 @@ class Commander:
             samples.desired[:n],
             command,
             samples.extruding[:n],
+            samples.line[:n],
+            samples.desired[:n, E],
             self._designs.places(samples.desired[:n]),
             dropped,
         )

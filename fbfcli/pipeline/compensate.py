@@ -17,12 +17,15 @@ from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.scribe import Patch, Scribe
 from fbfcli.pipeline.segmenter import Segmenter
 from fbfcli.pipeline.settings import Settings
-from fbfcli.pipeline.summary import BUSY, Errors, Summary
+from fbfcli.pipeline.summary import BUSY, Summary
+from fbfcli.plant.coupling import coupling
 from fbfcli.printer import Printer
+from fbfcli.verify.contour_error import Errors
 from fbfcli.verify.tally import Stretches, Tally
 
 FEW_MOVES, FEW = 10, 0.01  # moves left alone that are not worth a warning: the first ones of every print
 WORSE = 1.05  # times the uncompensated error that is told of
+COUPLED = "what an axis' command adds to the other one (coupling) is in the predicted errors, but it is not compensated"
 REPRAP_SPEED = 0.55  # mm/s, just above MinimumMovementSpeed: RepRapFirmware makes slower moves faster
 
 
@@ -56,7 +59,8 @@ def compensate(
     choice = chosen(printer, settings)
     budget = _budget(printer, settings)
     designs = Designs(printer, choice.method, settings)
-    tally = Tally(designs.b_a, watch)
+    coupled = coupling(printer, settings.dt)
+    tally = Tally(designs.b_a, watch, coupled)
     told = stamp(__version__, f'printer="{printer.name}" {settings.told(choice.method)}')
     commander = Commander(designs, settings.dt)
     filament = Filament(designs, settings)
@@ -129,12 +133,14 @@ def _summary(
         stiffened=remedies.stiffened,
         slowed=remedies.slowed,
         slowest=remedies.slowest,
-        warnings=_warnings(reader, tally, budget, remedies),
+        warnings=_warnings(printer, reader, tally, budget, remedies),
     )
 
 
-def _warnings(reader: Reader, tally: Tally, budget: Budget, remedies: Remedies) -> tuple[str, ...]:
+def _warnings(printer: Printer, reader: Reader, tally: Tally, budget: Budget, remedies: Remedies) -> tuple[str, ...]:
     told = list(reader.warnings)
+    if any(axis.coupling is not None for axis in printer.axes):
+        told.append(COUPLED)
     if remedies.told:
         told.append(remedies.told)
     if tally.busiest > BUSY * budget.max_rate:

@@ -7,7 +7,7 @@ places are told apart in SHARES steps from one model to the next: 0.6 % of a fre
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
+from math import inf, pi
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from fbfcli.errors import ProfileError
 from fbfcli.motion.moves import E
 from fbfcli.pipeline.choice import FAMILY_METHODS, uncertainty_of
 from fbfcli.pipeline.settings import Settings
-from fbfcli.plant.model import Plant, cut, impulse_response, modes, plant_of
+from fbfcli.plant.model import Plant, Vibration, cut, impulse_response, modes, plant_of
 from fbfcli.plant.places import between, shares
 from fbfcli.plant.uncertainty import Members, members
 from fbfcli.printer import Axis, Model, Printer
@@ -39,19 +39,19 @@ class Designs:
     def __init__(self, printer: Printer, method: str, settings: Settings):
         self.method, self._printer, self._settings = method, printer, settings
         self.box = box_of(printer)
-        self._varies = any(axis.at for axis in self._axes)
+        self.vary = any(axis.at for axis in self._axes)  # along the print
         self._options = dict(settings.options)
         self._numbers: dict[Shares, int] = {((), ()): 0}  # place 0 has the nominal models
         self._levels: list[list[Compensator]] = []
         self._plants: list[tuple[Plant, Plant]] = []
         self._means: dict[int, tuple[BA, BA]] = {}
-        if self._varies:
+        if self.vary:
             self._options |= self._shared()
         self._kg_per_mm = printer.filament_density * pi * (printer.filament_diameter / 2) ** 2
 
     def places(self, x: np.ndarray) -> np.ndarray:
         """Number of the place of each sample, shape (n,); x (n, 4) is X Y Z E [mm], E without resets."""
-        if not self._varies:
+        if not self.vary:
             return np.zeros(len(x), dtype=np.int64)
         here = x[::EVERY].copy()
         here[:, E] = np.maximum(here[:, E], 0.0) * self._kg_per_mm
@@ -75,6 +75,11 @@ class Designs:
             share_x, share_y = self._shares(len(self._plants))
             self._plants.append((self._plant(self._axes[0], share_x), self._plant(self._axes[1], share_y)))
         return self._plants[place]
+
+    def models(self, place: int) -> tuple[Model, Model]:
+        """Models of X and Y at a place."""
+        share_x, share_y = self._shares(place)
+        return self._model(self._axes[0], share_x), self._model(self._axes[1], share_y)
 
     def b_a(self, place: int) -> tuple[BA, BA]:
         """Their coefficients."""
@@ -106,11 +111,18 @@ class Designs:
         h = impulse_response(plant)
         if self._settings.fir is not None:
             h = cut(h, self._settings.fir)
-        known = exactly(plant.b, plant.a, h, modes(plant))
+        known = exactly(plant.b, plant.a, h, self._shaped(axis, modes(plant)))
         if self.method not in FAMILY_METHODS:
             return known
         family = self._family(axis, share)
         return replace(known, family=tuple(map(impulse_response, family.plants)), weights=family.weights)
+
+    def _shaped(self, axis: Axis, found: tuple[Vibration, ...]) -> tuple[Vibration, ...]:
+        """The modes, before them what the settings say that a shaper of the axis is made for."""
+        if self._settings.shaped is None or not found:
+            return found
+        frequency = self._settings.shaped[self._axes.index(axis)]
+        return (Vibration(frequency, found[0].damping, inf), *found)
 
     def _mean(self, axis: Axis, share: tuple[float, ...]) -> BA:
         if self.method not in FAMILY_METHODS:

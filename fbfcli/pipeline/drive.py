@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fbfcli.errors import LimitError
-from fbfcli.motion.kinematics import kinematics_of
+from fbfcli.motion.kinematics import in_reach, kinematics_of
 from fbfcli.pipeline.timeline import Track
 from fbfcli.printer import Printer
 from fbfcli.steps.driver_inputs import Inputs, TooFast
@@ -50,14 +50,7 @@ class Drive:
 
     def piece(self, track: Track, last: bool) -> Piece:
         """Steps that are final with more of the track. Raises LimitError."""
-        q = self._kinematics.motors(track.x[:, :3])
-        if np.isnan(q).any():
-            i = int(np.flatnonzero(np.isnan(q).any(axis=1))[0])
-            x, y, z = track.x[i, :3].tolist()
-            raise LimitError(
-                f"line {track.line[i] + 1}: X{x:.3f} Y{y:.3f} Z{z:.3f} is out of the arms' reach "
-                "(check delta_radius and arm_length, or move the part to the middle)"
-            )
+        q = in_reach(self._kinematics, track.x[:, :3], track.line)
         q = np.column_stack([q, track.x[:, 3]])[:, : len(self._names)]
         self._ticks = np.concatenate([self._ticks[-4:], track.tick])
         self._lines = np.concatenate([self._lines[-4:], track.line])

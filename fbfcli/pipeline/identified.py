@@ -7,6 +7,7 @@ from pathlib import PurePath
 
 import numpy as np
 
+from fbfcli.pipeline.rows import row
 from fbfcli.plant.fit import Candidate
 from fbfcli.plant.free_decay import FreeDecay
 from fbfcli.plant.frf import Frf
@@ -114,9 +115,8 @@ class Identified:
         rows += [("assumed", self.assumed)] * bool(self.assumed)
         rows += [("mode", _mode_text(mode)) for mode in self.modes if mode.damping.value < OSCILLATING]
         rows += _fit_rows(self) + _advice_rows(self)
-        lines = [f"{name + ':' if name else '':15s}{value}" for name, value in rows]
-        lines += [f"note: {note}" for note in self.notes] + [f"warning: {hint}" for hint in self.hints]
-        return "\n".join(lines)
+        lines = [row(*each) for each in rows] + [f"note: {note}" for note in self.notes]
+        return "\n".join(lines + [f"warning: {hint}" for hint in self.hints])
 
 
 def _mode_text(mode: ModeEstimate) -> str:

@@ -21,6 +21,7 @@ from fbfcli.motion.stretches import compensable, with_rests
 from fbfcli.motion.travel import check_travel
 from fbfcli.pipeline.settings import Settings
 from fbfcli.printer import Limits, Printer
+from fbfcli.verify.firmware import QueuePlanner
 
 
 @dataclass(frozen=True)
@@ -43,11 +44,13 @@ class Reader:
     """One file, read and planned as a stream.
 
     as_written : no move is to be compensated; --accel and --velocity hold for moves of X and Y all the same
+    planner    : of moves as they are executed; None: one that sees as far ahead as it needs
     """
 
-    def __init__(self, printer: Printer, settings: Settings, as_written: bool = False):
+    def __init__(self, printer: Printer, settings: Settings, as_written: bool = False,
+                 planner: Planner | QueuePlanner | None = None):  # fmt: skip
         self._printer, self._settings, self._as_written = printer, settings, as_written
-        self._planner, self._as_sliced = Planner(printer.firmware), Planner(printer.firmware)
+        self._planner, self._as_sliced = planner or Planner(printer.firmware), Planner(printer.firmware)
         self._limits = LimitTable()
         self._known = self._inside = self._raised = False  # after the last line, move and line
         self._lines: list[Listing] = []

@@ -105,8 +105,9 @@ class Scribe:
         places = after(self._held, place(lines, part.moves, inside, batch.grid, idle, self._e))
         due = places.sample < (len(batch.command) - 0.25 if batch.grid.open_last else np.inf)
         page, segments = self._page(batch, part, places[due], table)
+        rest = self._rests(batch, part, idle, lines)
         if segments:
-            self._tell(batch, segments, idle)
+            self._tell(batch, segments, rest)
         self._emit(page, segments)
         self._carry(places, due, part, idle, page, lines, batch.dropped)
 
@@ -148,11 +149,16 @@ class Scribe:
             bases.append(self._base)
         return bases
 
-    def _tell(self, batch: Batch, segments: Segments, idle: np.ndarray) -> None:
-        """Hand the batch to the tally."""
-        passed = np.concatenate([[0.0], np.cumsum(idle)])[batch.start]
+    def _rests(self, batch: Batch, part: Part, idle: np.ndarray, lines: Listing) -> np.ndarray:
+        """Time of moves outside stretches and of dwells before each stretch [s], shape (s,)."""
+        moved, waited = (np.concatenate([[0.0], np.cumsum(each)]) for each in (idle, lines.wait))
+        passed = moved[batch.start] + waited[np.searchsorted(lines.number, part.moves.line[batch.start])]
         rest = np.diff(passed, prepend=-self._rest)
-        self._rest = float(idle.sum() - passed[-1])
+        self._rest = float(moved[-1] + waited[-1] + (self._rest if not len(passed) else -passed[-1]))
+        return rest
+
+    def _tell(self, batch: Batch, segments: Segments, rest: np.ndarray) -> None:
+        """Hand the batch to the tally."""
         number = np.cumsum(segments.words.real) - 1
         dt = self._segmenter.dt
         self._tally.add(
@@ -165,6 +171,8 @@ class Scribe:
                 desired=batch.desired[:, :2],
                 command=batch.command,
                 extruding=batch.extruding,
+                line=batch.asked,
+                filament=batch.filament,
                 first=number[segments.first],
                 start=segments.moves.start,
                 delta=segments.moves.delta,

@@ -24,6 +24,7 @@ class Settings:
     with_nozzle : filament in step with where the nozzle is expected, not with the desired motion; None: for
                   methods that let the nozzle run ahead or behind
     fir         : samples of the impulse response the method knows; None: until it has died out
+    shaped      : frequencies of X and Y that a shaper is made for [Hz]; None: those of their strongest modes
     patch_times : time comments and M73 are written padded, to be filled in at the end
     """
 
@@ -37,6 +38,7 @@ class Settings:
     spread: float | None = None
     with_nozzle: bool | None = None
     fir: int | None = None
+    shaped: tuple[float, float] | None = None
     patch_times: bool = True
 
     def told(self, method: str) -> str:
@@ -52,5 +54,7 @@ class Settings:
             parts.append(f"extrusion={'nozzle' if self.with_nozzle else 'plan'}")
         if self.fir is not None:
             parts.append(f"fir={self.fir}")
+        if self.shaped is not None:
+            parts.append("shaped=" + ",".join(f"{f:.4g}Hz" for f in self.shaped))
         parts += [f"{name}={value:g}" for name, value in sorted(self.options.items())]
         return " ".join(parts)

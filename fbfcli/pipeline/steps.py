@@ -13,6 +13,7 @@ from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.drive import Drive, MotorTold, motors_of
 from fbfcli.pipeline.filament import Filament
 from fbfcli.pipeline.reader import Reader
+from fbfcli.pipeline.rows import told
 from fbfcli.pipeline.settings import Settings
 from fbfcli.pipeline.summary import clock
 from fbfcli.pipeline.timeline import Event, Timeline
@@ -52,8 +53,7 @@ class StepsSummary:
             for one in self.motors
         ]
         rows.append(("method", f"{self.method} ({self.why})" if self.why else self.method))
-        told = [f"{name + ':':15s}{value}" for name, value in rows]
-        return "\n".join([*told, *(f"warning: {warning}" for warning in self.warnings)])
+        return told(rows, self.warnings)
 
 
 class StepStream:

@@ -4,16 +4,10 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
+from fbfcli.pipeline.rows import told
+from fbfcli.verify.contour_error import Errors
+
 BUSY = 1.25  # seconds may be this much fuller than the firmware's rate before they are told of
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Errors of positions [um]."""
-
-    rms: float
-    p99: float
-    max: float
 
 
 @dataclass(frozen=True)
@@ -89,8 +83,7 @@ class Summary:
             ),
             ("method", f"{self.method} ({self.why})" if self.why else self.method),
         ]
-        lines = [f"{name + ':':15s}{value}" for name, value in rows]
-        return "\n".join([*lines, *(f"warning: {warning}" for warning in self.warnings)])
+        return told(rows, self.warnings)
 
 
 def clock(seconds: float) -> str:

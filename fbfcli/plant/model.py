@@ -18,7 +18,7 @@ from fbfcli.printer import FrequencyResponse, ImpulseResponse, ModalModel, Model
 
 DC_TOLERANCE = 0.02  # of rounded coefficients and of measurements; a larger offset is another quantity than position
 MARGINAL = 1e-6  # a pole this close to the unit circle rings for millions of samples
-MAX_SAMPLES = 20_000  # of an impulse response: 20 s at 1 ms, no printer rings that long
+LONGEST_S, MAX_SAMPLES = 20.0, 20_000  # of an impulse response, the larger of both: no printer rings that long
 TOLERANCE = 1e-5  # of the slowest envelope at the end of an impulse response: 11.5 time constants
 TAIL = 0.01  # of an impulse response that may be cut off
 RANK = 1e-3  # singular values of a Hankel matrix under this part of the largest are no mode
@@ -52,15 +52,18 @@ def plant_of(model: Model, dt: float, axis: str) -> Plant:
     Raises ModelError: unstable or marginal poles, DC gain off one by more than 2 %, non-finite coefficients,
     a period the model cannot be brought to, a response without phase, an impulse response beyond 20,000 samples.
     """
+    return _checked(*coefficients(model, dt, axis), dt, axis)
+
+
+def coefficients(model: Model, dt: float, axis: str) -> tuple[np.ndarray, np.ndarray]:
+    """b, a of a model at period `dt` [s], as they come. Raises ModelError."""
     if isinstance(model, ModalModel):
-        b, a = _first_order_hold(model, dt)
-    elif isinstance(model, TransferFunction):
-        b, a = _resampled(model, dt, axis)
-    elif isinstance(model, ImpulseResponse):
-        b, a = _resampled_fir(model, dt), np.ones(1)
-    else:
-        b, a = _fir_of_response(model, dt, axis), np.ones(1)
-    return _checked(b, a, dt, axis)
+        return _first_order_hold(model, dt)
+    if isinstance(model, TransferFunction):
+        return _resampled(model, dt, axis)
+    if isinstance(model, ImpulseResponse):
+        return _resampled_fir(model, dt), np.ones(1)
+    return _fir_of_response(model, dt, axis), np.ones(1)
 
 
 def impulse_response(plant: Plant, tolerance: float = TOLERANCE) -> np.ndarray:
@@ -68,8 +71,8 @@ def impulse_response(plant: Plant, tolerance: float = TOLERANCE) -> np.ndarray:
     if len(plant.a) == 1:
         return plant.b / plant.b.sum()
     n = _duration(plant.a, tolerance) + len(plant.b)
-    if n > MAX_SAMPLES:
-        raise ModelError(f"the impulse response is {n} samples long, more than {MAX_SAMPLES}: check the damping")
+    if n > _most(plant.dt):
+        raise ModelError(f"the impulse response is {n} samples long, more than {_most(plant.dt)}: check the damping")
     h = lfilter(plant.b, plant.a, np.concatenate(([1.0], np.zeros(n - 1))))
     return h / h.sum()
 
@@ -176,8 +179,9 @@ def _checked(b: np.ndarray, a: np.ndarray, dt: float, axis: str) -> Plant:
     """The plant, scaled to unit DC gain. Raises ModelError where it is no plant."""
     if not (len(b) and np.isfinite(b).all() and np.isfinite(a).all()):
         raise ModelError(f"axis {axis}: the model's coefficients are not finite numbers")
-    if len(a) == 1 and len(b) > MAX_SAMPLES:
-        raise ModelError(f"axis {axis}: the impulse response has {len(b)} samples, more than {MAX_SAMPLES}; shorten it")
+    most = _most(dt)
+    if len(a) == 1 and len(b) > most:
+        raise ModelError(f"axis {axis}: the impulse response has {len(b)} samples, more than {most}; shorten it")
     modulus = float(np.abs(np.roots(a)).max(initial=0.0))
     if modulus >= 1 + MARGINAL:
         raise ModelError(f"axis {axis}: the model is unstable (a pole of modulus {modulus:.6f}); printed coefficients "
@@ -189,10 +193,15 @@ def _checked(b: np.ndarray, a: np.ndarray, dt: float, axis: str) -> Plant:
         raise ModelError(f"axis {axis}: the model's gain at 0 Hz is {gain:.4g}, not 1; the position at rest must "
                          "follow the command, so scale b or check rounded coefficients")  # fmt: skip
     n = _duration(a, TOLERANCE)
-    if n > MAX_SAMPLES:
-        raise ModelError(f"axis {axis}: the impulse response is {n} samples long, more than {MAX_SAMPLES}; "
+    if n > most:
+        raise ModelError(f"axis {axis}: the impulse response is {n} samples long, more than {most}; "
                          "check the damping")  # fmt: skip
     return Plant(b / gain, a, dt)
+
+
+def _most(dt: float) -> int:
+    """Samples that an impulse response may have."""
+    return max(MAX_SAMPLES, round(LONGEST_S / dt))
 
 
 def _duration(a: np.ndarray, tolerance: float) -> int:

@@ -75,6 +75,12 @@ def best_shaper(f: np.ndarray, psd: np.ndarray, impulses: Impulses) -> tuple[Sco
     return best, tuple(kinds)
 
 
+def fitted(name: str, f: np.ndarray, psd: np.ndarray, impulses: Impulses) -> Scored:
+    """The frequency that Klipper gives one kind, for a normalised spectrum."""
+    within = f <= BAND_HZ[1]
+    return _selected(_scored(name, f[within], psd[within], impulses))
+
+
 def _scored(name: str, f: np.ndarray, psd: np.ndarray, impulses: Impulses) -> list[Scored]:
     """Every frequency of one kind, rising."""
     tried = []

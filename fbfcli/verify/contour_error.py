@@ -5,48 +5,69 @@ The nearest point is searched in time around the sample itself, first coarsely, 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-REACH = 64  # samples: the nozzle is never later or earlier on its path than this
-COARSE = 4  # samples between the points of the first search
+PERIOD = 1e-3  # s between the points of a path that the search is made for; paths sampled finer are searched in strides
+REACH = 64  # periods: the nozzle is never later or earlier on its path than this
+COARSE = 4  # periods between the points of the first search
+
+
+def stride_of(dt: float) -> int:
+    """Samples per PERIOD, at least 1."""
+    return max(round(PERIOD / dt), 1)
+
+
+def reach(dt: float) -> int:
+    """Samples of path that are searched on either side of a sample."""
+    return REACH * stride_of(dt)
 
 
 def contour_error(
-    actual: np.ndarray, desired: np.ndarray, at: np.ndarray, first: np.ndarray, last: np.ndarray
+    actual: np.ndarray, desired: np.ndarray, at: np.ndarray, first: np.ndarray, last: np.ndarray, dt: float = PERIOD
 ) -> np.ndarray:
     """Distance of `actual[at]` from the desired path [mm], shape (k,).
 
     actual, desired : ndarray, shape (n, 2)   nozzle and path, sampled together [mm]
     at              : ndarray of int, (k,)    samples to look at
     first, last     : ndarray of int, (k,)    the stretch each of them belongs to
+    dt              : float                   period of the samples [s]
 
     A point d away from its own sample has its nearest path point within 2 d of that sample: where the path goes further
-    than that in COARSE samples, the first search is left out.
+    than that in COARSE periods, the first search is left out.
     """
+    stride = stride_of(dt)
+    coarse = COARSE * stride
     px, py = np.ascontiguousarray(desired[:, 0]), np.ascontiguousarray(desired[:, 1])
     qx, qy = actual[at, 0], actual[at, 1]
     centre = at.copy()
-    reach = np.minimum(
-        _squared(px, py, px[at], py[at], np.maximum(at - COARSE, first)),
-        _squared(px, py, px[at], py[at], np.minimum(at + COARSE, last)),
+    way = np.minimum(
+        _squared(px, py, px[at], py[at], np.maximum(at - coarse, first)),
+        _squared(px, py, px[at], py[at], np.minimum(at + coarse, last)),
     )
     nearest = _squared(px, py, qx, qy, at)
-    far = np.flatnonzero(4.0 * nearest > reach)
+    far = np.flatnonzero(4.0 * nearest > way)
     if len(far):
-        centre[far] = _coarse(px, py, qx[far], qy[far], at[far], first[far], last[far])
-    for shift in range(-COARSE, COARSE):
+        shifts = range(-reach(dt), reach(dt) + 1, coarse)
+        centre[far] = _nearest(px, py, qx[far], qy[far], at[far], first[far], last[far], shifts)
+    if stride > 1:
+        centre = _nearest(px, py, qx, qy, centre, first, last, range(-coarse, coarse + 1, stride))
+    fine = COARSE if stride == 1 else stride
+    for shift in range(-fine, fine):
         k = np.clip(centre + shift, first, np.maximum(last - 1, first))
         np.minimum(nearest, _to_segment(px, py, qx, qy, k, np.minimum(k + 1, last)), out=nearest)
     return np.sqrt(nearest)
 
 
-def _coarse(
-    px: np.ndarray, py: np.ndarray, qx: np.ndarray, qy: np.ndarray, at: np.ndarray, first: np.ndarray, last: np.ndarray
-) -> np.ndarray:
-    """Sample of the nearest of every COARSE-th path point within REACH."""
+def _nearest(
+    px: np.ndarray, py: np.ndarray, qx: np.ndarray, qy: np.ndarray, at: np.ndarray, first: np.ndarray,
+    last: np.ndarray, shifts: range,
+) -> np.ndarray:  # fmt: skip
+    """Sample of the nearest of the path points that are so many samples away."""
     best = at.copy()
     nearest = _squared(px, py, qx, qy, at)
-    for shift in range(-REACH, REACH + 1, COARSE):
+    for shift in shifts:
         k = np.clip(at + shift, first, last)
         distance = _squared(px, py, qx, qy, k)
         closer = distance < nearest
@@ -71,6 +92,15 @@ def _to_segment(
     t = np.clip((rx * sx + ry * sy) / np.maximum(length, 1e-30), 0.0, 1.0)
     dx, dy = rx - t * sx, ry - t * sy
     return dx * dx + dy * dy
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of positions [um]."""
+
+    rms: float
+    p99: float
+    max: float
 
 
 class ErrorTally:

@@ -25,6 +25,7 @@ class Execution:
     motion    : ndarray, shape (n, 4)          X Y Z E that the firmware makes of the written file [mm]
     extruding : ndarray of bool, shape (n,)
     place     : ndarray of int, shape (n,)     where the print is; None: the plants hold everywhere
+    filament  : ndarray, shape (n,)            E as sliced, on the desired time base [mm]; None: that of `motion`
     """
 
     dt: float
@@ -40,6 +41,7 @@ class Execution:
     motion: np.ndarray
     extruding: np.ndarray
     place: np.ndarray | None = None
+    filament: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.desired)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -30,3 +31,19 @@ class Passage:
 
     def __len__(self) -> int:
         return len(self.nozzle)
+
+    def __getitem__(self, rows: slice) -> Passage:
+        """Some samples one after the other."""
+        a, b, _ = rows.indices(len(self))
+        whole = self.execution
+        here = (whole.begin >= a) & (whole.begin < b)
+        columns: dict[str, Any] = {
+            each.name: column[a:b]
+            for each in fields(whole)
+            if each.name not in ("begin", "rest") and isinstance(column := getattr(whole, each.name), np.ndarray)
+        }
+        execution = replace(
+            whole, begin=whole.begin[here] - a, rest=whole.rest[here], goes_on=whole.goes_on or b < len(self), **columns
+        )
+        own = (getattr(self, each.name)[a:b] for each in fields(self) if each.name != "execution")
+        return Passage(execution, *own)

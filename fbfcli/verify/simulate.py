@@ -12,17 +12,20 @@ REST_SAMPLES = 500  # a longer rest between stretches changes nothing: the vibra
 MEMORY = 1000  # samples that a plant has heard when the print comes to the place where it holds
 
 BA = tuple[np.ndarray, np.ndarray]
+Coupling = Sequence[BA | None]
 
 
 class Nozzle:
     """Positions of a vibrating printer, fed with its command piece by piece.
 
-    plants : one (b, a) per axis, coefficients of z^-1 with unit DC gain; of a printer whose plants change along the
-             print, what gives them for a place
+    plants   : one (b, a) per axis, coefficients of z^-1 with unit DC gain; of a printer whose plants change along the
+               print, what gives them for a place
+    coupling : of each of two axes, (b, a) without DC gain: what the other's command adds to it; None: nothing
     """
 
-    def __init__(self, plants: Sequence[BA] | Callable[[int], Sequence[BA]]):
+    def __init__(self, plants: Sequence[BA] | Callable[[int], Sequence[BA]], coupling: Coupling = (None, None)):
         self._at = plants if callable(plants) else lambda place: plants
+        self._coupled = [(axis, _Coupled(ba)) for axis, ba in enumerate(coupling) if ba is not None]
         self._axes = [_Vibrating() for _ in self._at(0)]
         self._last: np.ndarray | None = None  # last command
         self._moved = np.zeros(len(self._axes))  # where the plant rested, plus moves made outside stretches
@@ -50,10 +53,13 @@ class Nozzle:
         where = np.cumsum(counts) - 1
         runs = self._runs(np.zeros(1, np.int64) if place is None or not place.any() else np.repeat(place, counts))
         out = np.empty(command.shape, order="F")
+        shift = np.repeat(moved, length, axis=0)
         for axis, plant in enumerate(self._axes):
-            shift = np.repeat(moved[:, axis], length)
-            y = plant.follow(np.repeat(command[:, axis] - shift, counts), [(k, ba[axis], at) for k, ba, at in runs])
-            np.add(y[where], shift, out=out[:, axis])
+            u = np.repeat(command[:, axis] - shift[:, axis], counts)
+            y = plant.follow(u, [(k, ba[axis], at) for k, ba, at in runs])
+            np.add(y[where], shift[:, axis], out=out[:, axis])
+        for axis, added in self._coupled:
+            out[:, axis] += added.follow(np.repeat(command[:, 1 - axis] - shift[:, 1 - axis], counts))[where]
         self._last, self._moved = command[-1].copy(), moved[-1]
         return out
 
@@ -84,6 +90,21 @@ class _Vibrating:
             out, self._state = _filtered(b, a, heard[start : before + end] - self._base, self._state)
             y[first:end] = out[len(out) - (end - first) :] + self._base
         self._heard = np.concatenate((self._heard, u[-MEMORY:]))[-MEMORY:]
+        return y
+
+
+class _Coupled:
+    """What the command of one axis adds to the other: nothing as long as it stands."""
+
+    def __init__(self, ba: BA):
+        self._ba, self._state = ba, np.zeros(max(map(len, ba)) - 1)
+        self._base: float | None = None  # where it stood
+
+    def follow(self, u: np.ndarray) -> np.ndarray:
+        """More of it, shape (n,)."""
+        if self._base is None:
+            self._base = float(u[0])
+        y, self._state = _filtered(*self._ba, u - self._base, self._state)
         return y
 
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fbfcli.motion.polyline import Polyline
 from fbfcli.motion.profile import Profile
 from fbfcli.motion.sample import sample
-from fbfcli.verify.contour_error import REACH, ErrorTally, contour_error
-from fbfcli.verify.simulate import BA, Nozzle
+from fbfcli.verify.contour_error import ErrorTally, contour_error, reach
+from fbfcli.verify.held_back import HeldBack, Ready
+from fbfcli.verify.simulate import BA, Coupling, Nozzle
 
 STRIDE = 4  # samples between those whose contour error is measured
 
@@ -26,6 +27,7 @@ class Stretches:
     goes_on    : bool                              the last stretch goes on in the next ones
     desired, command : ndarray, shape (n, 2)       [mm]
     extruding  : ndarray of bool, shape (n,)
+    line       : ndarray of int, shape (n,)        line of the file that asks for each sample, counted from 0
     first      : ndarray of int, shape (s,)        first segment of each
     start, delta : ndarray, shape (k, 4)           segments as written [mm]
     distance   : ndarray, shape (k,)
@@ -34,6 +36,7 @@ class Stretches:
     late       : float                             how late the first starts [s]
     dt         : float
     place      : ndarray of int, shape (n,)        where the print is; None: the plants hold everywhere
+    filament   : ndarray, shape (n,)               E as sliced [mm]; None: that of the segments
     """
 
     begin: np.ndarray
@@ -44,6 +47,7 @@ class Stretches:
     desired: np.ndarray
     command: np.ndarray
     extruding: np.ndarray
+    line: np.ndarray
     first: np.ndarray
     start: np.ndarray
     delta: np.ndarray
@@ -53,73 +57,90 @@ class Stretches:
     late: float
     dt: float
     place: np.ndarray | None = None
+    filament: np.ndarray | None = None
 
     def positions(self, columns: slice = slice(2)) -> np.ndarray:
         """What the planner model executes, on the samples, shape (n, k): X and Y, or these of X Y Z E."""
-        t0 = self._starts(self.executed.duration)
-        if self.begun:
-            t0[: self._counts[0]] += self.late
+        t0 = self.starts()
         start, delta = self.start[:, columns], self.delta[:, columns]
         x, _ = sample(start, delta, self.distance, self.executed, t0, len(self.desired), self.dt)
         new = slice(1 if self.begun else 0, None)
         x[self.begin[new]] = start[self.first[new]]
         return x
 
+    def finer(self, times: int) -> Stretches:
+        """The same on samples `times` closer: what is executed is known in between, the rest is linear, or holds on."""
+        if times == 1:
+            return self
+        length = times * (self.end - self.begin)
+        begin = np.cumsum(length + 1) - length - 1
+        after = np.arange(length.sum() + len(length)) - np.repeat(begin, length + 1)
+        old = np.repeat(self.begin, length + 1) + after // times
+        part = after % times / times
+        following = np.minimum(old + 1, len(self.desired) - 1)
+
+        def linear(x: np.ndarray) -> np.ndarray:
+            return x[old] + (part if x.ndim == 1 else part[:, None]) * (x[following] - x[old])
+
+        return replace(
+            self,
+            begin=begin,
+            end=begin + length,
+            rest=times * self.rest,
+            desired=linear(self.desired),
+            command=linear(self.command),
+            extruding=self.extruding[old],
+            line=self.line[old],
+            dt=self.dt / times,
+            place=None if self.place is None else self.place[old],
+            filament=None if self.filament is None else linear(self.filament),
+        )
+
+    def starts(self) -> np.ndarray:
+        """When each segment begins as it is executed, from sample 0 on, shape (k,) [s]."""
+        t0 = self._starting(self.executed.duration)
+        if self.begun:
+            t0[: self.counts[0]] += self.late
+        return t0
+
     def polyline(self) -> np.ndarray:
         """X and Y that the written segments stand for: each at constant speed, in its wanted time, shape (n, 2)."""
-        start, last = self.start[:, :2], np.cumsum(self._counts) - 1
-        node = np.rint(self._starts(self.wanted) / self.dt).astype(np.int64)
+        start, last = self.start[:, :2], np.cumsum(self.counts) - 1
+        node = np.rint(self._starting(self.wanted) / self.dt).astype(np.int64)
         hats = Polyline(np.insert(node, last + 1, self.end), np.zeros(len(node) + len(last), dtype=bool))
         values = np.insert(start, last + 1, start[last] + self.delta[last, :2], axis=0)
         return np.column_stack([hats.curve(values[:, axis]) for axis in range(2)])
 
     @property
-    def _counts(self) -> np.ndarray:
+    def counts(self) -> np.ndarray:
         """Segments of each stretch."""
         return np.diff(np.append(self.first, len(self.distance)))
 
-    def _starts(self, duration: np.ndarray) -> np.ndarray:
+    def _starting(self, duration: np.ndarray) -> np.ndarray:
         """When each segment begins if each stretch does so on time, shape (k,) [s]."""
         elapsed = np.cumsum(duration) - duration
-        return elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], self._counts)
-
-
-@dataclass(frozen=True)
-class _Paths:
-    """Samples whose contour error is still to be measured: the desired path, the nozzle before and after."""
-
-    desired: np.ndarray
-    before: np.ndarray
-    after: np.ndarray
-    extruding: np.ndarray
-
-    def __getitem__(self, rows: slice) -> _Paths:
-        return _Paths(self.desired[rows], self.before[rows], self.after[rows], self.extruding[rows])
-
-    def then(self, more: _Paths) -> _Paths:
-        return _Paths(
-            np.concatenate([self.desired, more.desired]),
-            np.concatenate([self.before, more.before]),
-            np.concatenate([self.after, more.after]),
-            np.concatenate([self.extruding, more.extruding]),
-        )
+        return elapsed + np.repeat(self.begin * self.dt - elapsed[self.first], self.counts)
 
 
 class Tally:
     """What the written file does on the printer's own model, so far.
 
     plants : (b, a) of X and Y, or what gives them for a place
+    coupling : what the other axis' command adds to X and to Y, as of `Nozzle`
     watch  : told of everything that is added
     follow, chord : what is executed against the polyline that is written, and that against the command
     before, after : errors of the nozzle uncompensated and compensated
     """
 
-    def __init__(self, plants: Sequence[BA] | Callable[[int], Sequence[BA]],
-                 watch: Callable[[Stretches], None] = lambda part: None):
+    def __init__(
+        self,
+        plants: Sequence[BA] | Callable[[int], Sequence[BA]],
+        watch: Callable[[Stretches], None] = lambda part: None,
+        coupling: Coupling = (None, None),
+    ):
         self._watch = watch
-        self._uncompensated, self._compensated = Nozzle(plants), Nozzle(plants)
-        self._open: _Paths | None = None  # the last samples of a stretch that goes on
-        self._counted = 0  # those of them that are counted already
+        self._uncompensated, self._compensated = Nozzle(plants, coupling), Nozzle(plants, coupling)
+        self._held: HeldBack | None = None
         self.follow, self.chord, self.before, self.after = (ErrorTally() for _ in range(4))
         self.segments = 0
         self.wanted_s = self.executed_s = 0.0
@@ -141,7 +162,9 @@ class Tally:
         place = None if part.place is None else part.place[new]
         before = self._uncompensated.follow(part.desired[new], begin, rest, place)
         after = self._compensated.follow(x[new], begin, rest, place)
-        self._contour(_Paths(part.desired[new], before, after, part.extruding[new]), begin, part.goes_on)
+        self._held = self._held or HeldBack(reach(part.dt))
+        rows = (part.desired[new], before, after, part.extruding[new])
+        self._contour(self._held.add(rows, begin, part.goes_on), part.dt)
 
     def _count_seconds(self, wanted: np.ndarray) -> None:
         """Most segments that begin within one second of compensated motion."""
@@ -151,19 +174,13 @@ class Tally:
         self._second, self._in_second = int(second[-1]), int(counts[-1])
         self.busiest = max(self.busiest, int(counts.max()))
 
-    def _contour(self, paths: _Paths, begin: np.ndarray, goes_on: bool) -> None:
-        """Count contour errors, those near a cut once there is a path on both sides of it."""
-        paths, counted = (self._open.then(paths), self._counted) if self._open else (paths, 0)
-        n = len(paths.desired)
-        begin = np.union1d([0], begin + (len(self._open.desired) if self._open else 0))
-        ready = max(n - REACH, int(begin[-1]), counted) if goes_on else n
-        at = np.arange(counted, ready)[paths.extruding[counted:ready]][::STRIDE]
-        stretch = np.searchsorted(begin, at, side="right") - 1
-        first, last = begin[stretch], np.append(begin[1:], n)[stretch] - 1
-        self.before.add(contour_error(paths.before, paths.desired, at, first, last))
-        self.after.add(contour_error(paths.after, paths.desired, at, first, last))
-        keep = max(int(begin[-1]), ready - REACH)
-        self._open, self._counted = (paths[keep:], ready - keep) if goes_on else (None, 0)
+    def _contour(self, ready: Ready, dt: float) -> None:
+        """Count contour errors of samples that print."""
+        desired, before, after, extruding = ready.rows
+        at = np.arange(ready.at.start, ready.at.stop)[extruding[ready.at]][::STRIDE]
+        first, last = ready.stretch(at)
+        self.before.add(contour_error(before, desired, at, first, last, dt))
+        self.after.add(contour_error(after, desired, at, first, last, dt))
 
     @property
     def drift_ppm(self) -> float:

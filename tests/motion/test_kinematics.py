@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fbfcli.cli.lookup import find_printer
-from fbfcli.errors import ProfileError
-from fbfcli.motion.kinematics import Cartesian, CoreXY, Delta, kinematics_of
+from fbfcli.errors import LimitError, ProfileError
+from fbfcli.motion.kinematics import Cartesian, CoreXY, Delta, in_reach, kinematics_of
 
 DELTA = Delta(radius=140.0, arm=300.0)
 everyone = pytest.mark.parametrize("kinematics", [Cartesian(), CoreXY(), DELTA], ids=lambda k: type(k).__name__)
@@ -50,3 +50,20 @@ def test_a_delta_needs_its_size():
     with pytest.raises(ProfileError, match="delta_radius and arm_length"):
         kinematics_of(printer)
     assert kinematics_of(replace(printer, delta_radius=140.0, arm_length=300.0)) == DELTA
+
+
+@everyone
+@given(
+    at=st.tuples(within, within, st.floats(0.0, 300.0)),
+    force=st.tuples(*[st.floats(-50.0, 50.0)] * 3),
+    way=st.tuples(*[st.floats(-1.0, 1.0)] * 3),
+)
+def test_motors_do_the_work_that_is_done_at_the_toolhead(kinematics, at, force, way):
+    x, F, dx = np.array([at]), np.array([force]), 1e-4 * np.array([way])
+    dq = kinematics.motors(x + dx) - kinematics.motors(x - dx)
+    assert np.sum(kinematics.forces(x, F) * dq) == pytest.approx(np.sum(F * 2.0 * dx), rel=1e-6, abs=1e-9)
+
+
+def test_where_the_arms_do_not_reach_the_line_is_told():
+    with pytest.raises(LimitError, match=r"^line 8: X0\.000 Y400\.000 Z1\.000"):
+        in_reach(DELTA, np.array([[0.0, 0.0, 1.0], [0.0, 400.0, 1.0]]), np.array([6, 7]))

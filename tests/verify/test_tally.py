@@ -42,7 +42,8 @@ def piece(nodes, command, extruding, wanted, lasts, a: int, b: int, of: int) -> 
     executed = at_constant_speed(nodes[a:b], nodes[a + 1 : b + 1], lasts[a:b])
     return Stretches(
         begin=np.array([0]), end=np.array([(b - a) * STEP]), rest=np.array([0]), begun=a > 0, goes_on=b < of,
-        desired=command[rows], command=command[rows], extruding=extruding[rows], first=np.array([0]), start=start,
+        desired=command[rows], command=command[rows], extruding=extruding[rows],
+        line=np.arange(len(command))[rows] // STEP, first=np.array([0]), start=start,
         delta=delta, distance=np.hypot(*delta[:, :2].T), wanted=wanted[a:b],
         late=float((lasts - wanted)[:a].sum()), executed=executed, dt=DT,
     )  # fmt: skip
@@ -131,7 +132,8 @@ def test_stretches_after_a_rest_are_told_apart():
     both = Stretches(
         begin=np.array([0, n]), end=np.array([n - 1, 2 * n - 1]), rest=np.array([0, 30]), begun=False, goes_on=False,
         desired=np.vstack([first.desired] * 2), command=np.vstack([first.command] * 2),
-        extruding=np.tile(first.extruding, 2), first=np.array([0, 20]), start=np.vstack([first.start] * 2),
+        extruding=np.tile(first.extruding, 2), line=np.tile(first.line, 2), first=np.array([0, 20]),
+        start=np.vstack([first.start] * 2),
         delta=np.vstack([first.delta] * 2), distance=np.tile(first.distance, 2), wanted=np.tile(first.wanted, 2),
         executed=at_constant_speed(begin, end, np.tile(first.wanted, 2)), late=0.0, dt=DT,
     )  # fmt: skip
