@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fbfcli.verify.envelope import STEPS, Enveloped
@@ -15,6 +15,7 @@ def enveloped(time: np.ndarray, x: np.ndarray, cuts: list[int], width: float = 0
     return found.envelope()
 
 
+@settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 3000), st.floats(0.1, 1e4), st.lists(st.integers(0, 2999), max_size=5))
 def test_extremes_and_power_are_those_of_the_samples_in_any_pieces(seed, n, seconds, cuts):
     rng = np.random.default_rng(seed)
