@@ -105,6 +105,12 @@ def best_of_shape(frf: Frf, shape: Shape, delay: float) -> Candidate | None:
     return _fitted(frf, deviation(frf), shape, delay + DELAYS_S[::4])
 
 
+def refitted(frf: Frf, near: Candidate) -> Candidate:
+    """The same shape, fitted to a response that differs little from the one before."""
+    sd = deviation(frf)
+    return _candidate(frf, sd, near.shape, _refined(frf, sd, near.shape, near.theta).x)
+
+
 def shapes(pairs: int) -> tuple[Shape, ...]:
     """Shapes with this many resonances, smallest first."""
     return tuple(Shape(pairs, lags, general) for general in (False, True) for lags in (0, 1))

@@ -21,7 +21,7 @@ from fbfcli.plant.shape import OUTSIDE, model_of
 NORMAL_95 = 1.96
 # Standard deviations of ln f and ln zeta that are left with no noise at all: windows, the sensor's steps, a clock
 # found to 1 ppm (benchmarks/identify_truth.py)
-FREQUENCY_FLOOR, DAMPING_FLOOR = 1e-4, 1e-3
+FREQUENCY_FLOOR, DAMPING_FLOOR = 1e-5, 1e-4
 NEIGHBOURS = 15  # lines whose residuals tell the noise of the one among them
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fbfcli.plant.fit import Candidate, best_of_shape
 from fbfcli.plant.frf import Frf
-from fbfcli.plant.intervals import ModeEstimate
+from fbfcli.plant.intervals import ModeEstimate, mode_estimates
 from fbfcli.plant.rational import profile_model
 from fbfcli.plant.shape import model_of
 from fbfcli.printer import Family, Spread
@@ -28,6 +28,12 @@ def group_fits(groups: Sequence[Frf], chosen: Candidate) -> tuple[Candidate, ...
     """The chosen shape fitted to each group of recordings by itself; groups that do not support it are left out."""
     fits = (best_of_shape(group, chosen.shape, float(chosen.theta[1])) for group in groups)
     return tuple(fit for fit in fits if fit is not None)
+
+
+def strongest_frequencies(fits: Sequence[Candidate]) -> list[float]:
+    """Of each fit's strongest mode [Hz]."""
+    certain = (np.zeros((fit.shape.size, fit.shape.size)) for fit in fits)
+    return [mode_estimates(fit, cov)[0].frequency.value for fit, cov in zip(fits, certain, strict=True)]
 
 
 def group_spread(fits: Sequence[Candidate], dt: float) -> Family:
