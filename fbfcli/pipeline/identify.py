@@ -79,7 +79,7 @@ def _from_pairs(captures: Sequence[Recording], pairs: Sequence[Pair], ask: Ask) 
         told,
         spread=group_spread(fits, ask.dt) if len(fits) > 1 else told.spread,
         notes=tuple(dict.fromkeys(note for pair in pairs for note in pair.notes)),
-        measured=replace(told.measured, groups=tuple(zip(answer.labels, answer.apart, strict=True))),
+        measured=replace(told.measured, frf=answer.shown, groups=tuple(zip(answer.labels, answer.apart, strict=True))),
         captures=tuple(Capture(name, pair.fs, pair.measured) for name, pair in zip(names, pairs, strict=True)),
     )
 

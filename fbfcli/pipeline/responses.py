@@ -10,9 +10,9 @@ import numpy as np
 from fbfcli.errors import ModelError, RecordingError
 from fbfcli.pipeline.ask import Ask
 from fbfcli.plant.alignment import Pair
-from fbfcli.plant.fit import Candidate, candidates, refitted
+from fbfcli.plant.fit import Candidate, candidates, candidates_again, refitted
 from fbfcli.plant.frf import Frf, combined, frf, shifts, trusted
-from fbfcli.plant.rehearsal import MOST, delayed, is_settled, left_over, without_windows
+from fbfcli.plant.rehearsal import MOST, delayed, is_settled, left_over, steadied, without_windows
 from fbfcli.plant.spectra import AVERAGING, Spectra, window_seconds
 
 CLOCK_FOUND, CLOCK_GIVEN = 2e-6, 5e-5  # standard deviation of a clock that was found here, and of a recorded pair's
@@ -31,11 +31,13 @@ class Part:
 class Responses:
     """Responses of all recordings together and of each part by itself, where there are several.
 
+    together      : what models are fitted to;  shown: with less noise, where it has much
     labels, apart : of each part
     found         : shapes fitted to all together, the chosen one first
     """
 
     together: Frf
+    shown: Frf
     labels: tuple[str, ...]
     apart: tuple[Frf, ...]
     found: tuple[Candidate, ...]
@@ -55,11 +57,14 @@ def responses(names: Sequence[str], pairs: Sequence[Pair], ask: Ask) -> Response
     found = fitted(trusted(seen), names)
     if ask.estimator == "h1":
         response, apart = _rehearsed(parts, pairs, later, (seen, *alone), found[0], band, ask)
-        found = fitted(response, names)
+        found = candidates_again(response, found)
+        shown = steadied(response, found[0])
     else:  # a rehearsal knows no noise in the command
         response, apart = trusted(seen), tuple(map(trusted, alone))
+        shown = response
     several = len(parts) > 1
-    return Responses(response, tuple(part.label for part in parts) if several else (), apart if several else (), found)
+    labels = tuple(part.label for part in parts) if several else ()
+    return Responses(response, shown, labels, apart if several else (), found)
 
 
 def _rehearsed(

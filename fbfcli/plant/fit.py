@@ -8,6 +8,7 @@ its magnitude says, and what turns it in proportion to frequency beyond that is 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -55,6 +56,7 @@ class Candidate:
     derivatives : complex ndarray, shape (m, size)   of the model, over the same
     misfit    : float                           rms of measured minus model, of the rms measured
     criterion : float                           Bayesian information criterion: smaller is better
+    akaike    : float                           Akaike's, which asks less of a parameter: for what cannot be ruled out
     """
 
     shape: Shape
@@ -63,6 +65,7 @@ class Candidate:
     derivatives: np.ndarray
     misfit: float
     criterion: float = float("nan")
+    akaike: float = float("nan")
 
 
 def candidates(frf: Frf) -> tuple[Candidate, ...]:
@@ -93,9 +96,28 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
         raise ModelError(
             "no stable model with modes inside the measured band fits: give a wider --band, or shake harder"
         )
-    enough = [c for c in found if c.criterion <= found[0].criterion + DECISIVE]
+    return _chosen_first(found)
+
+
+def candidates_again(frf: Frf, found: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """The same shapes, each fitted from where it was, to a response that differs little from the one before."""
+    sd = deviation(frf)
+    again = (refitted(frf, one, sd) for one in found)
+    return _chosen_first(_ranked([one for one in again if _plausible(one.shape, one.theta, frf)])) or tuple(found)
+
+
+def refitted(frf: Frf, near: Candidate, sd: np.ndarray | None = None) -> Candidate:
+    """One of them."""
+    sd = deviation(frf) if sd is None else sd
+    return _candidate(frf, sd, near.shape, _refined(frf, sd, near.shape, near.theta).x)
+
+
+def _chosen_first(ranked: list[Candidate]) -> tuple[Candidate, ...]:
+    if not ranked:
+        return ()
+    enough = [c for c in ranked if c.criterion <= ranked[0].criterion + DECISIVE]
     chosen = min(enough, key=lambda c: (c.shape.size, c.criterion))
-    return chosen, *(c for c in found if c is not chosen)
+    return chosen, *(c for c in ranked if c is not chosen)
 
 
 def best_of_shape(frf: Frf, shape: Shape, delay: float) -> Candidate | None:
@@ -103,12 +125,6 @@ def best_of_shape(frf: Frf, shape: Shape, delay: float) -> Candidate | None:
     if 2 * len(frf.frequency) < 3 * shape.size:
         return None
     return _fitted(frf, deviation(frf), shape, delay + DELAYS_S[::4])
-
-
-def refitted(frf: Frf, near: Candidate) -> Candidate:
-    """The same shape, fitted to a response that differs little from the one before."""
-    sd = deviation(frf)
-    return _candidate(frf, sd, near.shape, _refined(frf, sd, near.shape, near.theta).x)
 
 
 def shapes(pairs: int) -> tuple[Shape, ...]:
@@ -136,6 +152,8 @@ def neighbours_mean(values: np.ndarray, count: int = SMOOTH) -> np.ndarray:
 
 def averaged(shape: Shape, theta: np.ndarray, frf: Frf) -> tuple[np.ndarray, np.ndarray]:
     """Model and derivatives as a line of the spectrum shows them: the mean over its width."""
+    if not frf.width.any():
+        return measured_response(shape, theta, 2j * np.pi * frf.frequency)
     offsets, weights = GAUSS
     at = [measured_response(shape, theta, 2j * np.pi * (frf.frequency + frf.width * o)) for o in offsets]
     M = sum(w * M_i for w, (M_i, _) in zip(weights, at, strict=True))
@@ -278,20 +296,23 @@ def _ranked(found: list[Candidate]) -> list[Candidate]:
         return []
     closest = min(found, key=lambda c: float(np.vdot(c.residual, c.residual).real))
     N = 2 * len(closest.residual) / correlation_length(closest.residual)
-    ranked = [
-        Candidate(c.shape, c.theta, c.residual, c.derivatives, c.misfit,
-                  float(N * np.log(np.mean(np.abs(c.residual) ** 2) / 2) + c.shape.size * np.log(N)))
-        for c in found
-    ]  # fmt: skip
+    ranked = []
+    for c in found:
+        misfit = float(N * np.log(np.mean(np.abs(c.residual) ** 2) / 2))
+        ranked.append(replace(c, criterion=misfit + c.shape.size * float(np.log(N)), akaike=misfit + 2 * c.shape.size))
     return sorted(ranked, key=lambda c: c.criterion)
 
 
 def correlation_length(residual: np.ndarray, most: int = 10) -> float:
-    """Lines that say the same: 1 + 2 sum rho_k while neighbouring residuals correlate, at least 1."""
+    """Lines that say the same: 1 + 2 sum rho_k while neighbouring residuals correlate, at least 1.
+
+    The nearest always count, for a window's lines share some bins: to leave out what is not significant by itself
+    would make short responses surer than they are.
+    """
     total, power = 1.0, np.vdot(residual, residual).real
     for lag in range(1, min(most, len(residual) // 4)):
         rho = float(np.vdot(residual[:-lag], residual[lag:]).real / power)
-        if rho < 2 / np.sqrt(len(residual)):
+        if lag > 1 and rho < 2 / np.sqrt(len(residual)):
             break
-        total += 2 * rho
+        total += 2 * max(rho, 0.0)
     return total

@@ -88,12 +88,16 @@ def mode_estimates(best: Candidate, cov: np.ndarray) -> tuple[ModeEstimate, ...]
 def told_modes(frf: Frf, found: Sequence[Candidate]) -> tuple[ModeEstimate, ...]:
     """The chosen fit's modes, the first of `found`, with intervals that hold what the choice of a shape leaves open.
 
-    Shapes of as many modes that the criterion does not rule out say other values: each weighs exp(-BIC / 2), and
+    Shapes of as many modes that the data do not rule out say other values: each weighs exp(-AIC / 2), and
     var = sum_k weight_k (var_k + (value_k - value)^2) (Buckland, Burnham & Augustin 1997, Biometrics 53, Eq. 9).
+    By BIC, which chooses, a lag that stands for all above the band would have to be seen to be believed; left out
+    where it is there, it moves a well damped mode by several of the chosen fit's own standard deviations.
     """
     best = found[0]
-    rivals = [c for c in found if c.shape.pairs == best.shape.pairs and c.criterion < best.criterion + DECISIVE]
-    weights = np.exp([0.5 * (best.criterion - c.criterion) for c in rivals])
+    same = [c for c in found if c.shape.pairs == best.shape.pairs]
+    least = min(c.akaike for c in same)
+    rivals = [best, *(c for c in same[1:] if c.akaike < least + DECISIVE)]
+    weights = np.exp([0.5 * (least - c.akaike) for c in rivals])
     told = [mode_estimates(c, covariance(frf, c)) for c in rivals]
     return tuple(_averaged(told, weights / weights.sum(), mode) for mode in told[0])
 

@@ -15,13 +15,16 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from fbfcli.plant.alignment import Pair
-from fbfcli.plant.fit import Candidate
+from fbfcli.plant.fit import Candidate, neighbours_mean
 from fbfcli.plant.frf import Frf, h1, noise_error
 from fbfcli.plant.shape import measured_response
-from fbfcli.plant.spectra import Spectra
+from fbfcli.plant.spectra import TINY, Spectra
 
 RINGS_S = 8.0  # that a transform leaves a model to come to rest, lest its end ring into its beginning
 SETTLED = 0.1  # standard deviations by which a line may still move when nothing more is taken out
+SURE = 0.0125  # of |H|: random error up to which a line is shown by itself; four times it is 5 %
+AVERAGED = range(3, 17, 2)  # lines that are averaged until it is reached
+ALIKE = 1.6  # neighbouring lines share bins of their windows: their errors correlate by 0.3
 MOST = 6  # rehearsals; each leaves some tenth of what the one before left
 
 
@@ -52,3 +55,22 @@ def without_windows(measured: Frf, left: Spectra, candidate: Candidate) -> Frf:
 def is_settled(before: Frf, after: Frf) -> bool:
     """Whether another rehearsal would change nothing that matters."""
     return bool(np.all(np.abs(after.H - before.H) < SETTLED * after.sd))
+
+
+def steadied(response: Frf, candidate: Candidate) -> Frf:
+    """The response as it is shown: what the model leaves over is averaged over neighbours where it is mostly noise.
+
+    A sweep gives a line two averages, and random errors of some per cent where the command or the machine is faint. The
+    model carries what is narrow, so the rest can be averaged without blunting a peak: prewhitening (Blackman & Tukey
+    1958). As few lines as make the random error SURE; lines that are as sure by themselves stay as measured.
+    """
+    M, _ = measured_response(candidate.shape, candidate.theta, 2j * np.pi * response.frequency)
+    known = 1 / np.maximum(neighbours_mean(response.sd**2), TINY)
+    H, sd = response.H.copy(), response.sd.copy()
+    for count in AVERAGED:
+        unsure = sd > SURE * np.abs(M)
+        total = neighbours_mean(known, count)
+        mean = neighbours_mean(known * (response.H - M), count) / total
+        H[unsure] = (M + mean)[unsure]
+        sd[unsure] = np.sqrt(ALIKE / (total * np.minimum(count, len(M))))[unsure]
+    return replace(response, H=H, sd=sd)
