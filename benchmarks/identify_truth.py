@@ -149,7 +149,7 @@ def scored(kind: str, plant: str, seed: int) -> Score:
 
 
 def row(kind: str, plant: str, scores: Sequence[Score]) -> str:
-    """One line of the table: the worst of all draws, and how many intervals hold the truth, of each mode of each draw."""
+    """One line of the table: the worst of all draws, and how many of all modes' intervals hold the truth."""
     frequency = np.abs([f for s in scores for f in s.frequency])
     damping = np.abs([d for s in scores for d in s.damping])
     held = np.array([s.held for s in scores]).reshape(-1, 2)

@@ -7,12 +7,13 @@ from pathlib import PurePath
 
 import numpy as np
 
-from fbfcli.plant.fit import Candidate
+from fbfcli.plant.candidate import Candidate
 from fbfcli.plant.free_decay import FreeDecay
 from fbfcli.plant.frf import Frf
 from fbfcli.plant.intervals import ModeEstimate
 from fbfcli.plant.rational import Rational, zeros
 from fbfcli.plant.shaper_score import Scored
+from fbfcli.plant.spread import as_ranges
 from fbfcli.printer import Family, Model, Spread
 
 UM_PER_MM = 1e3
@@ -79,6 +80,11 @@ class Identified:
     power: tuple[np.ndarray, np.ndarray, float] | None = None
     decay: FreeDecay | None = None
     captures: tuple[Capture, ...] = ()
+
+    @property
+    def ranges(self) -> Spread:
+        """What is uncertain, as ranges: a profile with models at places takes no family."""
+        return as_ranges(self.spread, self.model)
 
     def note(self) -> str:
         """Where the model comes from, on one line, for the profile."""

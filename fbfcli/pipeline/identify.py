@@ -13,7 +13,7 @@ from fbfcli.pipeline.conclusions import concluded, klipper_choice
 from fbfcli.pipeline.identified import Capture, Identified, Measured
 from fbfcli.pipeline.responses import band_of, fitted, responses
 from fbfcli.plant.alignment import Pair, paired
-from fbfcli.plant.fit import Candidate
+from fbfcli.plant.candidate import Candidate
 from fbfcli.plant.free_decay import free_decay
 from fbfcli.plant.frf import Frf, frf, from_table, trusted
 from fbfcli.plant.intervals import ModeEstimate, covariance, draws, told_modes

@@ -10,7 +10,8 @@ import numpy as np
 from fbfcli.errors import ModelError, RecordingError
 from fbfcli.pipeline.ask import Ask
 from fbfcli.plant.alignment import Pair
-from fbfcli.plant.fit import Candidate, candidates, candidates_again, refitted
+from fbfcli.plant.candidate import Candidate
+from fbfcli.plant.fit import candidates, candidates_again, nearer, refitted
 from fbfcli.plant.frf import Frf, combined, frf, shifts, trusted
 from fbfcli.plant.rehearsal import MOST, delayed, is_settled, left_over, steadied, without_windows
 from fbfcli.plant.spectra import AVERAGING, Spectra, window_seconds
@@ -50,7 +51,7 @@ def responses(names: Sequence[str], pairs: Sequence[Pair], ask: Ask) -> Response
     """
     band = band_of(pairs, ask)
     parts = _parts(names, pairs)
-    measured = _spectra(parts, pairs, [pair.measured for pair in pairs], band, ask)
+    measured = _spectra(parts, pairs, [pairs[part.index].measured for part in parts], band, ask)
     later = shifts(measured)
     seen = _drifting(frf(combined(measured, later), ask.estimator, _amplitude(pairs)), pairs)
     alone = [_drifting(frf(one, ask.estimator), pairs) for one in measured]
@@ -75,14 +76,24 @@ def _rehearsed(
     response = trusted(seen[0])
     for _ in range(MOST):
         before, models = response, [delayed(best, seconds) for seconds in later]
-        at_rest = {part.index: left_over(pairs[part.index], model) for part, model in zip(parts, models, strict=True)}
-        left = _spectra(parts, pairs, [at_rest[i] for i in range(len(pairs))], band, ask)
+        left = _left(parts, pairs, models, band, ask)
         response = trusted(without_windows(seen[0], combined(left, later), best))
         if is_settled(before, response):
             break
         best = refitted(response, best)
-    apart = (trusted(without_windows(*each)) for each in zip(seen[1:], left, models, strict=True))
-    return response, tuple(apart)
+    if len(parts) == 1:
+        return response, (response,)
+    own = [nearer(trusted(without_windows(*each)), each[2]) for each in zip(seen[1:], left, models, strict=True)]
+    alone = zip(seen[1:], _left(parts, pairs, own, band, ask), own, strict=True)
+    return response, tuple(trusted(without_windows(*each)) for each in alone)
+
+
+def _left(
+    parts: Sequence[Part], pairs: Sequence[Pair], models: Sequence[Candidate], band: tuple[float, float], ask: Ask
+) -> list[Spectra]:
+    """Spectra of what each part's model leaves over of it."""
+    answers = [left_over(pairs[part.index], model) for part, model in zip(parts, models, strict=True)]
+    return _spectra(parts, pairs, answers, band, ask)
 
 
 def band_of(pairs: Sequence[Pair], ask: Ask) -> tuple[float, float]:
@@ -101,12 +112,12 @@ def _parts(names: Sequence[str], pairs: Sequence[Pair]) -> list[Part]:
 def _spectra(
     parts: Sequence[Part], pairs: Sequence[Pair], answers: Sequence[np.ndarray], band: tuple[float, float], ask: Ask
 ) -> list[Spectra]:
-    """Spectra of each part, of what its pair's command was answered by."""
+    """Spectra of each part, of what its command was answered by."""
     seconds = window_seconds(min((p.samples.stop - p.samples.start) / pairs[p.index].fs for p in parts))
     averaged = AVERAGING[ask.averaging]
     return [
-        averaged(pairs[p.index].command[p.samples], answers[p.index][p.samples], pairs[p.index].fs, band, seconds)
-        for p in parts
+        averaged(pairs[p.index].command[p.samples], answer[p.samples], pairs[p.index].fs, band, seconds)
+        for p, answer in zip(parts, answers, strict=True)
     ]
 
 

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fbfcli.plant.fit import DECISIVE, Candidate, correlation_length, neighbours_mean, prior
+from fbfcli.plant.candidate import DECISIVE, Candidate, correlation_length
+from fbfcli.plant.fit import neighbours_mean, prior
 from fbfcli.plant.frf import Frf
 from fbfcli.plant.rational import Rational
 from fbfcli.plant.shape import OUTSIDE, model_of
@@ -65,14 +66,14 @@ def mode_estimates(best: Candidate, cov: np.ndarray) -> tuple[ModeEstimate, ...]
     """The resonances, strongest peak (gain by damping) first."""
     shape, model = best.shape, model_of(best.shape, best.theta)
     found, at = [], OUTSIDE
+    spread = np.sqrt(np.maximum(np.diag(cov), 0.0))
     for i, r in enumerate(model.resonances):
-        spread = np.sqrt(np.diag(cov))
         by_theta = np.zeros(shape.size)
         if i > 0:
             by_theta[at + 2] = 1.0
         else:
             by_theta[gain_places(shape)] = -1.0
-        gain = float(np.sqrt(by_theta @ cov @ by_theta))
+        gain = float(np.sqrt(max(by_theta @ cov @ by_theta, 0.0)))  # rounding may leave less than 0
         found.append(
             ModeEstimate(
                 of_logarithm(r.frequency, float(np.hypot(spread[at], FREQUENCY_FLOOR))),

@@ -15,7 +15,8 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from fbfcli.plant.alignment import Pair
-from fbfcli.plant.fit import Candidate, neighbours_mean
+from fbfcli.plant.candidate import Candidate
+from fbfcli.plant.fit import neighbours_mean
 from fbfcli.plant.frf import Frf, h1, noise_error
 from fbfcli.plant.shape import measured_response
 from fbfcli.plant.spectra import TINY, Spectra
