@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fbfcli.plant.candidate import DECISIVE, Candidate, correlation_length
-from fbfcli.plant.fit import neighbours_mean, prior
+from fbfcli.plant.fit import deviation, neighbours_mean, prior
 from fbfcli.plant.frf import Frf
 from fbfcli.plant.rational import Rational
 from fbfcli.plant.shape import OUTSIDE, model_of
@@ -51,7 +51,10 @@ def covariance(frf: Frf, best: Candidate) -> np.ndarray:
     inverse = _inverse((J.conj().T @ J).real + known.T @ known)
     # each line pulls the fit towards itself and so leaves less over: h is its share in its own fit (HC3)
     h = 0.5 * np.einsum("mi,ij,mj->m", J.conj(), inverse, J).real
-    v = neighbours_mean(np.abs(r / np.maximum(1 - h, 0.1)) ** 2, NEIGHBOURS) * correlation_length(r)
+    # lines a few apart leave over as different parts of |H| as their random errors are: of a peak's it is little
+    part = np.maximum(neighbours_mean(2 * frf.sd**2), 1e-300) / deviation(frf) ** 2
+    left = np.abs(r / np.maximum(1 - h, 0.1)) ** 2 / part
+    v = part * neighbours_mean(left, NEIGHBOURS) * correlation_length(r)
     B = 0.5 * ((J.conj().T * v) @ J).real + known.T @ known
     return np.asarray(inverse @ B @ inverse)
 
