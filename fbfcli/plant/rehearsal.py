@@ -24,6 +24,7 @@ from fbfcli.plant.spectra import TINY, Spectra
 RINGS_S = 8.0  # that a transform leaves a model to come to rest, lest its end ring into its beginning
 SETTLED = 0.1  # standard deviations by which a line may still move when nothing more is taken out
 SURE = 0.0125  # of |H|: random error up to which a line is shown by itself; four times it is 5 %
+NOISE = 6.0  # squared random errors: noise leaves over 2, friction on a measured bed slinger 10
 AVERAGED = range(3, 17, 2)  # lines that are averaged until it is reached
 ALIKE = 1.6  # neighbouring lines share bins of their windows: their errors correlate by 0.3
 MOST = 6  # rehearsals; each leaves some tenth of what the one before left
@@ -63,10 +64,13 @@ def steadied(response: Frf, candidate: Candidate) -> Frf:
 
     A sweep gives a line two averages, and random errors of some per cent where the command or the machine is faint. The
     model carries what is narrow, so the rest can be averaged without blunting a peak: prewhitening (Blackman & Tukey
-    1958). As few lines as make the random error SURE; lines that are as sure by themselves stay as measured.
+    1958). As few lines as make the random error SURE; lines that are as sure by themselves stay as measured. Where the
+    model leaves over more than noise, nothing is averaged: it would hide what friction and backlash do.
     """
     M, _ = measured_response(candidate.shape, candidate.theta, 2j * np.pi * response.frequency)
     known = 1 / np.maximum(neighbours_mean(response.sd**2), TINY)
+    if np.mean(np.abs(response.H - M) ** 2 * known) > NOISE:
+        return response
     H, sd = response.H.copy(), response.sd.copy()
     for count in AVERAGED:
         unsure = sd > SURE * np.abs(M)
