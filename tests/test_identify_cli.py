@@ -138,10 +138,10 @@ def test_a_broken_profile_stays_as_it_was(recording, tmp_path, capsys):
 def test_recordings_at_places_are_models_at_places(recording, tmp_path, capsys):
     profile = tmp_path / "p.toml"
     there = ["identify", str(recording), "-q", "-o", str(profile), "--band", "5", "70", "--at"]
-    assert run([*there, "y=20,x=100"]) == run([*there, "x=100, y=200"]) == run([*there, "x=100,y=20.0"]) == 0
-    axis = parse_printer(profile.read_text(), "p.toml").axes[0]
-    assert [(place.x, place.y) for place in axis.at] == [(100.0, 20.0), (100.0, 200.0)]
-    assert axis.at[0].model.modes[0].frequency == pytest.approx(38.0, rel=0.005)
+    assert run([*there, "y=20, x=100"]) == 0
+    (place,) = parse_printer(profile.read_text(), "p.toml").axes[0].at
+    assert (place.x, place.y, place.z) == (100.0, 20.0, None)
+    assert place.model.modes[0].frequency == pytest.approx(38.0, rel=0.005)
     assert run([*there, "z=3"]) == 1
     assert capsys.readouterr().err.count("\n") == 1
 
