@@ -7,6 +7,8 @@ from math import inf, nan
 
 FIRMWARES = ("klipper", "marlin", "reprapfirmware")
 KINEMATICS = ("cartesian", "corexy", "delta")
+COORDINATES = ("x", "y", "z", "mass")  # that a place is told by
+WIDEST = 10.0  # factor of an uncertainty: further from 1 it is no uncertainty but another machine
 
 Four = tuple[float, float, float, float]
 

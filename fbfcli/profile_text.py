@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import ceil, floor
+from typing import TYPE_CHECKING
 
 from fbfcli.errors import ProfileError
-from fbfcli.printer import Family, ModalModel, Model, Spread, TransferFunction
+from fbfcli.printer import COORDINATES, Family, ModalModel, Model, Place, Spread, TransferFunction
+
+if TYPE_CHECKING:
+    from tomlkit import TOMLDocument
+    from tomlkit.items import Table
 
 # What a recording does not tell: to be set by hand. A cartesian Klipper machine with a small bed
 SKELETON = """\
@@ -53,6 +58,92 @@ def with_model(text: str, file: str, axis: str, model: Model, spread: Spread | F
     Comments, order and spacing of everything else are kept. Raises ProfileError where the text is no profile.
     """
     import tomlkit
+
+    document, section = _parsed(text, file, axis)
+    old = section.get("model")
+    if isinstance(old, dict):  # changed in place: comments around the section stay where they are
+        table = old
+    else:
+        table = section["model"] = tomlkit.table()
+    table["note"] = _one_line(note)
+    _replace(table, model)
+    if spread is None:
+        section.pop("uncertainty", None)
+    else:
+        section["uncertainty"] = _spread_table(spread)
+        if not old:
+            section["uncertainty"].add(tomlkit.nl())
+    return tomlkit.dumps(document)
+
+
+def with_model_at(text: str, file: str, axis: str, place: Place, spread: Spread, note: str) -> str:
+    """The profile with one axis' model at a place: in [[axis.x.at]], where one at the same place is replaced.
+
+    spread : what is uncertain of it; ranges that are there already are kept where they are wider
+
+    The rest as `with_model`. Raises ProfileError where other places are told by other coordinates.
+    """
+    import tomlkit
+
+    document, section = _parsed(text, file, axis)
+    where = {name: value for name in COORDINATES if (value := getattr(place, name)) is not None}
+    entries = section.get("at")
+    if entries is None:
+        entries = section["at"] = tomlkit.aot()
+    for other in entries:
+        told = [name for name in COORDINATES if name in other]
+        if told != list(where):
+            raise ProfileError(f"{file}: axis.{axis}.at: its places tell {', '.join(told)}, this one "
+                               f"{', '.join(where)} (tell the same of each)")  # fmt: skip
+    entry = next((one for one in entries if all(float(one[name]) == value for name, value in where.items())), None)
+    if entry is None:
+        entry = tomlkit.inline_table() if isinstance(entries, tomlkit.items.Array) else tomlkit.table()
+        entry.update(where)
+        _put(entry, place.model, note)
+        if isinstance(entries, tomlkit.items.AoT):
+            entry.add(tomlkit.nl())
+        entries.append(entry)
+    else:
+        _put(entry, place.model, note)
+    section["uncertainty"] = _spread_table(_wider(section.get("uncertainty"), spread))
+    return tomlkit.dumps(document)
+
+
+def _put(entry: dict[str, object], model: Model, note: str) -> None:
+    """Model and note into one entry of [[axis.x.at]]; a model in a section of its own is changed there."""
+    import tomlkit
+    from tomlkit.items import Table
+
+    entry["note"] = _one_line(note)
+    old = entry.get("model")
+    if isinstance(old, Table):
+        _replace(old, model)
+    else:
+        row = tomlkit.inline_table()
+        row.update(_model_values(model))
+        entry["model"] = row
+
+
+def _replace(table: dict[str, object], model: Model) -> None:
+    """Another model in the same section."""
+    for key in [key for key in table if key != "note"]:
+        del table[key]
+    table.update(_model_values(model))
+
+
+def _wider(old: object, new: Spread) -> Spread:
+    """Ranges that hold those of an [axis.x.uncertainty] and new ones; a family cannot go with places, and is left."""
+    if not isinstance(old, dict) or "family" in old:
+        return new
+    (f, g), (c, d) = (old.get(key, (1.0, 1.0)) for key in ("frequency", "damping"))
+    return Spread(
+        (min(f, new.frequency[0]), max(g, new.frequency[1])), (min(c, new.damping[0]), max(d, new.damping[1]))
+    )
+
+
+def _parsed(text: str, file: str, axis: str) -> tuple[TOMLDocument, Table]:
+    """The document and the axis' section in it."""
+    import tomlkit
     from tomlkit.exceptions import TOMLKitError
 
     try:
@@ -62,25 +153,7 @@ def with_model(text: str, file: str, axis: str, model: Model, spread: Spread | F
     axes = document.get("axis")
     if not isinstance(axes, dict) or not isinstance(axes.get(axis), dict):
         raise ProfileError(f"{file}: axis.{axis} is missing (add [axis.{axis}] with travel and steps_per_mm)")
-    section = axes[axis]
-    old = section.get("model")
-    if isinstance(old, dict):  # changed in place: comments around the section stay where they are
-        for key in [key for key in old if key != "note"]:
-            del old[key]
-        table = old
-    else:
-        table = tomlkit.table()
-        section["model"] = table
-    table["note"] = _one_line(note)
-    for key, value in _model_values(model).items():
-        table[key] = value
-    if spread is None:
-        section.pop("uncertainty", None)
-    else:
-        section["uncertainty"] = _spread_table(spread)
-        if not old:
-            section["uncertainty"].add(tomlkit.nl())
-    return tomlkit.dumps(document)
+    return document, axes[axis]
 
 
 def _model_values(model: Model) -> dict[str, object]:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import inf
 
-from fbfcli.printer import Family, Model, Place, Spread
+from fbfcli.printer import COORDINATES, WIDEST, Family, Model, Place, Spread
 from fbfcli.toml_table import Table
 
 MODEL_KEYS = ("modes", "b", "impulse_response", "frequency_response", "a", "dt")  # of every form of a model
-COORDINATES = ("x", "y", "z", "mass")
 FACTORS = "factors on the model's: frequency = [0.85, 1.15]"
-WIDEST = 10.0  # a factor further from 1 is no uncertainty but another machine
 EXAMPLE_PLACE = "[{ mass = 0.0, model = { modes = [...] } }, { mass = 0.5, model = { modes = [...] } }]"
 
 ModelOf = Callable[[Table], Model]

@@ -116,6 +116,11 @@ def test_what_cannot_be_read_is_told_in_one_line(tmp_path, capsys, content, why)
         (["--sweep", "klippr"], 1),
         (["--sweep", "nothere.csv"], 1),
         (["--axis", "z"], 2),
+        (["--at", "x=1"], 2),
+        (["-o", "p.toml", "--at", "x=1,x=2"], 2),
+        (["-o", "p.toml", "--at", "w=1"], 2),
+        (["-o", "p.toml", "--at", "x=nan"], 2),
+        (["-o", "p.toml", "--at", "mass=-1"], 2),
     ],
 )
 def test_wrong_options_are_refused_before_any_work(recording, arguments, code):
@@ -128,6 +133,17 @@ def test_a_broken_profile_stays_as_it_was(recording, tmp_path, capsys):
     assert run(["identify", str(recording), "-q", "-o", str(profile), "--band", "5", "70"]) == 1
     assert profile.read_text() == "[printer]\nname = 3\n"
     assert str(profile) in capsys.readouterr().err
+
+
+def test_recordings_at_places_are_models_at_places(recording, tmp_path, capsys):
+    profile = tmp_path / "p.toml"
+    there = ["identify", str(recording), "-q", "-o", str(profile), "--band", "5", "70", "--at"]
+    assert run([*there, "y=20, x=100"]) == 0
+    (place,) = parse_printer(profile.read_text(), "p.toml").axes[0].at
+    assert (place.x, place.y, place.z) == (100.0, 20.0, None)
+    assert place.model.modes[0].frequency == pytest.approx(38.0, rel=0.005)
+    assert run([*there, "z=3"]) == 1
+    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_two_runs_make_a_family(recording, tmp_path):

@@ -9,6 +9,7 @@ import click
 
 from fbfcli.cli.files import DASH, check_targets, is_stream, reading, saying, writing
 from fbfcli.cli.options import Number, json_option, quiet_option
+from fbfcli.cli.place_option import At
 from fbfcli.cli.telling import tell_json
 from fbfcli.errors import FbfError, RecordingError
 
@@ -27,6 +28,8 @@ UM_PER_MM = 1e3
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("--axis", type=click.Choice(["x", "y"]), help="The axis that was moved. [default: what the file says]")
 @click.option("-o", "--output", metavar="FILE", help="Profile to create or update; - writes it to standard output.")
+@click.option("--at", "at", type=At(), metavar="x=MM,y=MM,z=MM,mass=KG", help="Where this was recorded: the profile "
+              "keeps a model for each place. Any of the four.")  # fmt: skip
 @click.option("--plot", "plot_to", metavar="FILE", help="Picture of response and model: .png, .svg or .pdf.")
 @click.option("--sweep", metavar="TEST|CSV", help="The test that was run: klipper, klipper-2020, marlin, ulendo, with "
               "settings as klipper:f1=100,accel_per_hz=75; or the CSV that `fbf excite` wrote.")  # fmt: skip
@@ -50,6 +53,7 @@ def identify(
     output: str | None,
     plot_to: str | None,
     json_to: str | None,
+    at: dict[str, float] | None,
     quiet: bool,
     **how: Any,
 ) -> None:
@@ -62,14 +66,17 @@ def identify(
     \b
     fbf identify raw_data_x_20240101_120000.csv --axis x -o my_printer.toml --plot bode.png
     fbf identify run1.csv run2.csv --axis y -o my_printer.toml       uncertainty from two runs
+    fbf identify y_at_20.csv --axis y --at y=20 -o my_printer.toml   one of several places
     fbf identify capture.csv --axis x --sweep sweep_x.csv            what `fbf excite` made the printer do
     fbf identify log.csv --time t --command u --measured a --axis x --unit g
     cat raw.csv | fbf identify - --axis x --json - -q | jq .modes
     """
+    if at and not output:
+        raise click.UsageError("--at says where the profile's model holds: give the profile with -o")
     _check_targets(files, output, plot_to, json_to)
     found = _identified(files, how)
     if output:
-        _write_profile(output, found)
+        _write_profile(output, found, at)
     if plot_to:
         _write_picture(plot_to, found)
     if json_to:
@@ -124,10 +131,11 @@ def _sweep(words: str | None) -> Sweep | None:
     return named_sweep(words)
 
 
-def _write_profile(output: str, found: Identified) -> None:
-    """A new profile, or the old one with this axis' model."""
+def _write_profile(output: str, found: Identified, at: dict[str, float] | None) -> None:
+    """A new profile, or the old one with this axis' model, or with its model at a place."""
+    from fbfcli.printer import Place
     from fbfcli.printer_toml import parse_printer
-    from fbfcli.profile_text import new_profile, with_model
+    from fbfcli.profile_text import new_profile, with_model, with_model_at
 
     is_old = not is_stream(output) and Path(output).exists()
     if is_old:
@@ -136,7 +144,10 @@ def _write_profile(output: str, found: Identified) -> None:
     else:
         name = Path(output).stem if output != DASH else "my printer"
         text = new_profile(name, "measured; limits and travel are guesses")
-    text = with_model(text, output, found.axis, found.model, found.spread, found.note())
+    if at:
+        text = with_model_at(text, output, found.axis, Place(found.model, **at), found.ranges, found.note())
+    else:
+        text = with_model(text, output, found.axis, found.model, found.spread, found.note())
     parse_printer(text, output, lambda name: (Path(output).parent / name).read_text(encoding="utf-8-sig"))
     with saying(output) as say:
         say(text)

@@ -45,6 +45,7 @@ def concluded(
         shapers=kinds,
         shaper_acceleration=most,
         error=ask.error,
+        by_model=acceleration_error.most_acceleration(swings[:1], ask.error),
         uncompensated=acceleration_error.most_acceleration(swings, ask.error),
         compensated=acceleration_error.most_acceleration(left, ask.error) if left else None,
     )

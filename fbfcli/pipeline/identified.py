@@ -8,16 +8,19 @@ from pathlib import PurePath
 import numpy as np
 
 from fbfcli.pipeline.rows import row
-from fbfcli.plant.fit import Candidate
+from fbfcli.plant.candidate import Candidate
 from fbfcli.plant.free_decay import FreeDecay
 from fbfcli.plant.frf import Frf
 from fbfcli.plant.intervals import ModeEstimate
 from fbfcli.plant.rational import Rational, zeros
 from fbfcli.plant.shaper_score import Scored
+from fbfcli.plant.spread import as_ranges
 from fbfcli.printer import Family, Model, Spread
 
 UM_PER_MM = 1e3
 OSCILLATING = 0.7  # damping above which a pole pair is told as a lag, not as a mode
+CERTAIN = 0.8  # of the model's own figure: worse ones are told beside it
+WORTH = 1.5  # times: where compensation is certain to gain less, the model says little, and that is told
 SHOWN = 6  # rows of the table of orders
 
 
@@ -58,7 +61,8 @@ class Identified:
     spread    : what is uncertain
     notes     : what was repaired or found in the recordings;  hints: what looks mechanically wrong
     shaper    : Klipper's choice, None where nothing of a spectrum is known; shapers: of each kind
-    error     : [mm], within which motion stays up to these accelerations [mm/s^2]; compensated: None if not known
+    error     : [mm], within which motion stays up to these accelerations [mm/s^2]: uncompensated by the model itself,
+                and by the worst of those that it may be; compensated likewise, None if not known
     """
 
     axis: str
@@ -74,12 +78,18 @@ class Identified:
     shapers: tuple[Scored, ...]
     shaper_acceleration: float
     error: float
+    by_model: float
     uncompensated: float
     compensated: float | None
     measured: Measured | None = None
     power: tuple[np.ndarray, np.ndarray, float] | None = None
     decay: FreeDecay | None = None
     captures: tuple[Capture, ...] = ()
+
+    @property
+    def ranges(self) -> Spread:
+        """What is uncertain, as ranges: a profile with models at places takes no family."""
+        return as_ranges(self.spread, self.model)
 
     def note(self) -> str:
         """Where the model comes from, on one line, for the profile."""
@@ -101,6 +111,7 @@ class Identified:
             "klipper_shaper": asdict(self.shaper) if self.shaper else None,
             "klipper_shapers": [asdict(one) for one in self.shapers],
             "within_mm": self.error,
+            "acceleration_by_model": self.by_model,
             "acceleration_uncompensated": self.uncompensated,
             "acceleration_compensated": self.compensated,
             "acceleration_shaper": self.shaper_acceleration if self.shaper else None,
@@ -151,9 +162,15 @@ def _fit_rows(found: Identified) -> list[tuple[str, str]]:
 
 def _advice_rows(found: Identified) -> list[tuple[str, str]]:
     um = UM_PER_MM * found.error
-    rows = [(f"within {um:.0f} um", f"up to {_accel(found.uncompensated)} as it is, after a change of acceleration")]
+    as_it_is = f"up to {_accel(found.by_model)} as it is, after a change of acceleration"
+    if found.uncompensated < CERTAIN * found.by_model:
+        as_it_is += f"; {_accel(found.uncompensated)} at worst, as far as the model is uncertain"
+    rows = [(f"within {um:.0f} um", as_it_is)]
     if found.compensated is not None:
-        rows.append(("", f"up to {_accel(found.compensated)} compensated, as far as the model is certain"))
+        rows.append(("", f"up to {_accel(found.compensated)} compensated, at worst, as far as the model is uncertain"))
+        if found.compensated < WORTH * found.uncompensated:
+            rows.append(("", "this recording leaves too open how far the axis lags at low frequencies: not that "
+                             "compensation gains nothing; shake harder, or record again"))  # fmt: skip
     if found.shaper:
         s = found.shaper
         rows.append(("Klipper's", f"{s.name} at {s.frequency:.1f} Hz: {100 * s.vibrations:.1f} % vibration left, "

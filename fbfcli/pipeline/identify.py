@@ -11,11 +11,12 @@ from fbfcli.errors import ModelError, RecordingError
 from fbfcli.pipeline.ask import Ask
 from fbfcli.pipeline.conclusions import concluded, klipper_choice
 from fbfcli.pipeline.identified import Capture, Identified, Measured
+from fbfcli.pipeline.responses import band_of, fitted, responses
 from fbfcli.plant.alignment import Pair, paired
-from fbfcli.plant.fit import Candidate, candidates
+from fbfcli.plant.candidate import Candidate
 from fbfcli.plant.free_decay import free_decay
-from fbfcli.plant.frf import Frf, combined, frf, from_table, trusted
-from fbfcli.plant.intervals import ModeEstimate, covariance, draws, mode_estimates, told_modes
+from fbfcli.plant.frf import Frf, frf, from_table, trusted
+from fbfcli.plant.intervals import ModeEstimate, covariance, draws, told_modes
 from fbfcli.plant.mechanical_hints import hints_of_groups, hints_of_modes, hints_of_response
 from fbfcli.plant.power_fit import power_fit
 from fbfcli.plant.rational import profile_model
@@ -23,10 +24,9 @@ from fbfcli.plant.recording import PowerSpectrum, Recording, ResponseTable
 from fbfcli.plant.recordings import read_recordings
 from fbfcli.plant.shape import model_of
 from fbfcli.plant.shaper_score import klipper_spectrum, normalised
-from fbfcli.plant.spectra import AVERAGING, Spectra, window_seconds
-from fbfcli.plant.spread import group_fits, group_spread, noise_spread
+from fbfcli.plant.spectra import AVERAGING
+from fbfcli.plant.spread import group_fits, group_spread, strongest_frequencies
 
-CLOCK_FOUND, CLOCK_GIVEN = 2e-6, 5e-5  # standard deviation of a clock that was found here, and of a recorded pair's
 KLIPPER_RISE = 2.0  # of the power of an acceleration that grows with frequency
 MINIMUM_PHASE = "minimum phase (the recording holds no phase)"
 RINGING = "gains from a free decay, minimum phase (nothing is known of the command)"
@@ -62,78 +62,46 @@ def identify_captures(captures: Sequence[Recording], ask: Ask) -> Identified:
 
 
 def _from_pairs(captures: Sequence[Recording], pairs: Sequence[Pair], ask: Ask) -> Identified:
+    names = [capture.name for capture in captures]
     axes = {pair.axis for pair in pairs}
     if len(axes) > 1:
-        raise RecordingError(
-            "recordings of both axes", file=", ".join(c.name for c in captures), remedy="give one --axis"
-        )
+        raise RecordingError("recordings of both axes", file=", ".join(names), remedy="give one --axis")
     axis = axes.pop()
-    low, high = ask.band
-    ends = [pair.sweep.f1 for pair in pairs if pair.sweep is not None]
-    band = low, min([high, *ends])
-    labels, groups = _groups(captures, pairs, axis, band, ask)
-    response = trusted(_drifting(frf(combined(groups), ask.estimator, _amplitude(pairs)), pairs))
-    found = _fitted(response, [c.name for c in captures])
-    best, cov = found[0], covariance(response, found[0])
-    apart = [trusted(_drifting(frf(group, ask.estimator), pairs)) for group in groups] if len(groups) > 1 else []
-    fits = group_fits(apart, best)
-    modes = _worth_telling(told_modes(response, found))
-    rational = model_of(best.shape, best.theta)
-    off_axis = [
-        (name, _off_axis(pairs[0], name, axis, band, ask)) for name in pairs[0].columns if name not in (axis, "z")
-    ]
-    strongest = [mode_estimates(fit, np.zeros_like(cov))[0].frequency.value for fit in fits]
-    hints = (
-        *hints_of_response(response, off_axis, float(np.exp(best.theta[0]))),
-        *hints_of_modes(modes),
-        *(hints_of_groups(labels, strongest) if len(strongest) == len(labels) else ()),
-    )
-    possible = [profile_model(one, ask.dt) for one in draws(best, cov, DRAWS, np.random.default_rng(SEED))]
-    possible += [profile_model(model_of(fit.shape, fit.theta), ask.dt) for fit in fits]
-    told = concluded(axis, [c.name for c in captures], "", rational, modes, ask, possible,
-                  _klipper_sees(captures[0], pairs[0], response, off_axis))  # fmt: skip
+    answer = responses(names, pairs, ask)
+    off_axis = [(name, _off_axis(pairs[0], name, ask)) for name in pairs[0].columns if name not in (axis, "z")]
+    seen = _klipper_sees(captures[0], pairs[0], answer.together, off_axis)
+    fits = group_fits(answer.apart, answer.found[0])
+    told = _from_response(axis, names, answer.together, answer.found, fits, off_axis, seen, ask)
+    if len(fits) == len(answer.labels) > 0:
+        told = replace(told, hints=(*told.hints, *hints_of_groups(answer.labels, strongest_frequencies(fits))))
+    assert told.measured is not None
     return replace(
         told,
-        spread=group_spread(fits, ask.dt) if len(fits) > 1 else noise_spread(modes),
+        spread=group_spread(fits, ask.dt) if len(fits) > 1 else told.spread,
         notes=tuple(dict.fromkeys(note for pair in pairs for note in pair.notes)),
-        hints=hints,
-        measured=Measured(response, tuple(zip(labels, apart, strict=False)), found, cov),
-        captures=tuple(
-            Capture(c.name, p.fs, p.response[:, p.columns.index(axis)]) for c, p in zip(captures, pairs, strict=True)
-        ),
+        measured=replace(told.measured, frf=answer.shown, groups=tuple(zip(answer.labels, answer.apart, strict=True))),
+        captures=tuple(Capture(name, pair.fs, pair.measured) for name, pair in zip(names, pairs, strict=True)),
     )
 
 
-def _groups(
-    captures: Sequence[Recording], pairs: Sequence[Pair], axis: str, band: tuple[float, float], ask: Ask
-) -> tuple[list[str], list[Spectra]]:
-    """Spectra of each recording, and of each amplitude in it, with their labels."""
-    parts = [
-        (f"{capture.name}{f' at {amplitude:g} mm/s^2' if amplitude else ''}", pair, slice(begin, end))
-        for capture, pair in zip(captures, pairs, strict=True)
-        for begin, end, amplitude in pair.segments or ((0, len(pair.command), 0.0),)
-    ]
-    seconds = window_seconds(min((part.stop - part.start) / pair.fs for _, pair, part in parts))
-    averaged = AVERAGING[ask.averaging]
-    return [label for label, _, _ in parts], [
-        averaged(pair.command[part], pair.response[part, pair.columns.index(axis)], pair.fs, band, seconds)
-        for _, pair, part in parts
-    ]
+def _from_response(
+    axis: str, names: Sequence[str], response: Frf, found: tuple[Candidate, ...], fits: Sequence[Candidate],
+    off_axis: Sequence[tuple[str, Frf]], psd: tuple[np.ndarray, np.ndarray] | None, ask: Ask,
+) -> Identified:  # fmt: skip
+    """What follows from a complex response and its models; `fits`: of its parts by themselves."""
+    best, cov = found[0], covariance(response, found[0])
+    modes = _worth_telling(told_modes(response, found))
+    likely = [*draws(best, cov, DRAWS, np.random.default_rng(SEED)), *(model_of(fit.shape, fit.theta) for fit in fits)]
+    possible = [profile_model(one, ask.dt) for one in likely]
+    told = concluded(axis, names, "", model_of(best.shape, best.theta), modes, ask, possible, psd)
+    hints = (*hints_of_response(response, off_axis, float(np.exp(best.theta[0]))), *hints_of_modes(modes))
+    return replace(told, hints=hints, measured=Measured(response, (), found, cov))
 
 
-def _fitted(response: Frf, names: Sequence[str]) -> tuple[Candidate, ...]:
-    """Shapes fitted, the chosen one first; errors get the files' names."""
-    try:
-        return candidates(response)
-    except ModelError as error:
-        raise RecordingError(str(error), file=", ".join(names)) from None
-
-
-def _off_axis(pair: Pair, name: str, axis: str, band: tuple[float, float], ask: Ask) -> Frf:
+def _off_axis(pair: Pair, name: str, ask: Ask) -> Frf:
     """How another column answers the command of this axis."""
-    return trusted(
-        frf(AVERAGING[ask.averaging](pair.command, pair.response[:, pair.columns.index(name)], pair.fs, band))
-    )
+    answer = pair.response[:, pair.columns.index(name)]
+    return trusted(frf(AVERAGING[ask.averaging](pair.command, answer, pair.fs, band_of([pair], ask))))
 
 
 def _klipper_sees(
@@ -149,34 +117,14 @@ def _klipper_sees(
     )
 
 
-def _drifting(response: Frf, pairs: Sequence[Pair]) -> Frf:
-    """The response, told how far its clock may be off: so many seconds later for each Hz that a sweep rises."""
-    f = response.frequency
-    if len(f) < 2:
-        return response
-    duration = max(len(pair.command) / pair.fs for pair in pairs)
-    clock = CLOCK_FOUND if all(pair.sweep is not None for pair in pairs) else CLOCK_GIVEN
-    return replace(response, drift=clock * duration / float(f[-1] - f[0]))
-
-
-def _amplitude(pairs: Sequence[Pair]) -> float:
-    moving = np.concatenate([pair.command[pair.command != 0] for pair in pairs])
-    return float(np.sqrt(np.mean(moving**2))) if len(moving) else float("nan")
-
-
 def _from_table(table: ResponseTable, ask: Ask) -> Identified:
     """A response that somebody measured: fitted as ours is, or by its magnitude where it has no phase."""
     axis = _axis(table.axis, table.name, ask)
     if not table.has_phase:
         return _from_magnitude(table.name, axis, table.frequency, np.abs(table.response) ** 2, 0.0, table.notes, ask)
     response = from_table(table.frequency, table.response, table.coherence)
-    found = _fitted(response, [table.name])
-    best, cov = found[0], covariance(response, found[0])
-    modes = _worth_telling(told_modes(response, found))
-    possible = [profile_model(one, ask.dt) for one in draws(best, cov, DRAWS, np.random.default_rng(SEED))]
-    told = concluded(axis, [table.name], "", model_of(best.shape, best.theta), modes, ask, possible, None)
-    hints = (*hints_of_response(response, (), float(np.exp(best.theta[0]))), *hints_of_modes(modes))
-    return replace(told, notes=table.notes, hints=hints, measured=Measured(response, (), found, cov))
+    found = fitted(response, [table.name])
+    return replace(_from_response(axis, [table.name], response, found, (), (), None, ask), notes=table.notes)
 
 
 def _from_power(spectrum: PowerSpectrum, ask: Ask) -> Identified:

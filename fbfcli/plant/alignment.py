@@ -52,6 +52,11 @@ class Pair:
     sweep: Sweep | None = None
     notes: tuple[str, ...] = ()
 
+    @property
+    def measured(self) -> np.ndarray:
+        """What the moved axis' own column shows, shape (n,)."""
+        return np.asarray(self.response[:, self.columns.index(self.axis)])
+
 
 def paired(recording: Recording, sweep: Sweep | None = None, axis: str | None = None) -> Pair:
     """Command and response of a recording; the command is rebuilt from the `sweep` where it is not recorded.
@@ -126,7 +131,7 @@ def _rebuilt(recording: Recording, response: np.ndarray, found: Alignment, test:
     n, step = len(response), found.clock / recording.fs
     t = found.clock * np.arange(n) / recording.fs + found.delay
     keep = slice(*np.searchsorted(t, [-BEFORE, test.duration + (0.0 if test.open_end else AFTER)]))
-    u = command_at(test, t[keep], step)
+    u = acceleration(test, t[keep], step)  # a mean over each period, as a sensor's own filter makes it
     notes = [*recording.notes, f"{test.name} found: correlation {found.correlation:.3f} below 15 Hz, the first sample "
              f"{found.delay:+.4f} s after its start, true rate {1 / step:.2f} Hz"]  # fmt: skip
     y = response[keep]

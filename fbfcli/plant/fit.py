@@ -8,7 +8,8 @@ its magnitude says, and what turns it in proportion to frequency beyond that is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -16,15 +17,13 @@ from scipy.linalg import lstsq
 from scipy.optimize import least_squares
 
 from fbfcli.errors import ModelError
+from fbfcli.plant.candidate import DECISIVE, Candidate, chosen_first, ranked
 from fbfcli.plant.frf import Frf
 from fbfcli.plant.rational import Lag, Rational, Resonance, response
 from fbfcli.plant.shape import OUTSIDE, Shape, delay_at_rest, measured_response, model_of, vector_of
 from fbfcli.plant.vector_fitting import fit_poles, starting_poles
 
 MOST_MODES = 4
-DECISIVE = (
-    10.0  # of the criterion: "very strong" evidence (Kass & Raftery 1995); less does not pay for a larger model
-)
 MODEL_ERROR = (0.003, 0.05)  # of |H|, least and most: no machine is linear to better, none worth a model to worse
 DELAYS_S = np.linspace(-0.01, 0.01, 41)  # tried to start from
 GAINS = (0.7, 1.4)  # of a sensor
@@ -46,25 +45,6 @@ GAUSS = (
 RISE = 1.5  # times the largest measured magnitude: a model that rises higher outside the band invents a resonance
 
 
-@dataclass(frozen=True)
-class Candidate:
-    """One shape, fitted: theta, its cost, and what the criterion says of it.
-
-    theta     : ndarray, shape (shape.size,)
-    residual  : complex ndarray, shape (m,)     measured minus model, over each line's standard deviation
-    derivatives : complex ndarray, shape (m, size)   of the model, over the same
-    misfit    : float                           rms of measured minus model, of the rms measured
-    criterion : float                           Bayesian information criterion: smaller is better
-    """
-
-    shape: Shape
-    theta: np.ndarray
-    residual: np.ndarray
-    derivatives: np.ndarray
-    misfit: float
-    criterion: float = float("nan")
-
-
 def candidates(frf: Frf) -> tuple[Candidate, ...]:
     """Shapes that the response supports, fitted: the chosen one first, then by criterion.
 
@@ -84,7 +64,7 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
                 delays = np.concatenate((best.theta[1] + DELAYS_S[::4], DELAYS_S[::4]))
                 if shape == shapes(pairs)[-1] and (more := _with_faster_lag(frf, sd, best)) is not None:
                     found.append(more)
-        found = _ranked(found)
+        found = ranked(found)
         fewer, now = (min((c.criterion for c in found if (c.shape.pairs == pairs) == same), default=np.inf)
                       for same in (False, True))  # fmt: skip
         if now > fewer - DECISIVE:
@@ -93,9 +73,20 @@ def candidates(frf: Frf) -> tuple[Candidate, ...]:
         raise ModelError(
             "no stable model with modes inside the measured band fits: give a wider --band, or shake harder"
         )
-    enough = [c for c in found if c.criterion <= found[0].criterion + DECISIVE]
-    chosen = min(enough, key=lambda c: (c.shape.size, c.criterion))
-    return chosen, *(c for c in found if c is not chosen)
+    return chosen_first(found)
+
+
+def candidates_again(frf: Frf, found: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """The same shapes, each fitted from where it was, to a response that differs little from the one before."""
+    sd = deviation(frf)
+    again = (refitted(frf, one, sd) for one in found)
+    return chosen_first(ranked([one for one in again if _plausible(one.shape, one.theta, frf)])) or tuple(found)
+
+
+def refitted(frf: Frf, near: Candidate, sd: np.ndarray | None = None) -> Candidate:
+    """One of them."""
+    sd = deviation(frf) if sd is None else sd
+    return _candidate(frf, sd, near.shape, _refined(frf, sd, near.shape, near.theta).x)
 
 
 def best_of_shape(frf: Frf, shape: Shape, delay: float) -> Candidate | None:
@@ -103,6 +94,11 @@ def best_of_shape(frf: Frf, shape: Shape, delay: float) -> Candidate | None:
     if 2 * len(frf.frequency) < 3 * shape.size:
         return None
     return _fitted(frf, deviation(frf), shape, delay + DELAYS_S[::4])
+
+
+def nearer(frf: Frf, near: Candidate) -> Candidate:
+    """The same shape fitted to a part of what it was fitted to, or as it was where the part does not support it."""
+    return refitted(frf, near) if 2 * len(frf.frequency) >= 3 * near.shape.size else near
 
 
 def shapes(pairs: int) -> tuple[Shape, ...]:
@@ -130,6 +126,8 @@ def neighbours_mean(values: np.ndarray, count: int = SMOOTH) -> np.ndarray:
 
 def averaged(shape: Shape, theta: np.ndarray, frf: Frf) -> tuple[np.ndarray, np.ndarray]:
     """Model and derivatives as a line of the spectrum shows them: the mean over its width."""
+    if not frf.width.any():
+        return measured_response(shape, theta, 2j * np.pi * frf.frequency)
     offsets, weights = GAUSS
     at = [measured_response(shape, theta, 2j * np.pi * (frf.frequency + frf.width * o)) for o in offsets]
     M = sum(w * M_i for w, (M_i, _) in zip(weights, at, strict=True))
@@ -264,28 +262,3 @@ def _plausible(shape: Shape, theta: np.ndarray, frf: Frf) -> bool:
         return False
     rise = np.abs(response(model, outside)).max()
     return not stuck.any() and rise < RISE * max(1.0, np.abs(frf.H).max())
-
-
-def _ranked(found: list[Candidate]) -> list[Candidate]:
-    """By BIC = N ln(cost / N) + k ln N; N counts only independent residuals, as those of the closest fit correlate."""
-    if not found:
-        return []
-    closest = min(found, key=lambda c: float(np.vdot(c.residual, c.residual).real))
-    N = 2 * len(closest.residual) / correlation_length(closest.residual)
-    ranked = [
-        Candidate(c.shape, c.theta, c.residual, c.derivatives, c.misfit,
-                  float(N * np.log(np.mean(np.abs(c.residual) ** 2) / 2) + c.shape.size * np.log(N)))
-        for c in found
-    ]  # fmt: skip
-    return sorted(ranked, key=lambda c: c.criterion)
-
-
-def correlation_length(residual: np.ndarray, most: int = 10) -> float:
-    """Lines that say the same: 1 + 2 sum rho_k while neighbouring residuals correlate, at least 1."""
-    total, power = 1.0, np.vdot(residual, residual).real
-    for lag in range(1, min(most, len(residual) // 4)):
-        rho = float(np.vdot(residual[:-lag], residual[lag:]).real / power)
-        if rho < 2 / np.sqrt(len(residual)):
-            break
-        total += 2 * rho
-    return total

@@ -116,12 +116,22 @@ def random_error(H: np.ndarray, coherence: np.ndarray, count: np.ndarray) -> np.
     return np.abs(H) * np.sqrt((1 - coherence) / (2 * np.maximum(count - 1, 0.5) * coherence))
 
 
-def combined(recordings: Sequence[Spectra]) -> Spectra:
-    """Recordings of one axis as one, after each is shifted in time to agree with the first.
+def noise_error(s: Spectra) -> np.ndarray:
+    """The same error from the power that a response leaves over: sqrt(S_nn / (2 (n - 1) S_xx)), shape (m,)."""
+    return np.asarray(np.sqrt(s.noise / (2 * np.maximum(s.count - 1, 0.5) * s.xx)))
 
-    Each was aligned by itself, so their delays differ by a few samples, which would wear the average away.
+
+def shifts(recordings: Sequence[Spectra]) -> list[float]:
+    """Seconds by which each recording's response comes later than the first's.
+
+    Each was aligned by itself, so their delays differ by a few samples, which would wear an average away.
     """
-    return together([recordings[0], *(shifted(s, shift_between(recordings[0], s)) for s in recordings[1:])])
+    return [0.0, *(shift_between(recordings[0], s) for s in recordings[1:])]
+
+
+def combined(recordings: Sequence[Spectra], later: Sequence[float]) -> Spectra:
+    """Recordings of one axis as one, after each is shifted in time to agree with the first; `later`: by `shifts`."""
+    return together([shifted(s, seconds) for s, seconds in zip(recordings, later, strict=True)])
 
 
 def shift_between(first: Spectra, other: Spectra) -> float:

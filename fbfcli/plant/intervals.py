@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fbfcli.plant.fit import DECISIVE, Candidate, correlation_length, neighbours_mean, prior
+from fbfcli.plant.candidate import DECISIVE, Candidate, correlation_length
+from fbfcli.plant.fit import deviation, neighbours_mean, prior
 from fbfcli.plant.frf import Frf
 from fbfcli.plant.rational import Rational
 from fbfcli.plant.shape import OUTSIDE, model_of
@@ -21,7 +22,7 @@ from fbfcli.plant.shape import OUTSIDE, model_of
 NORMAL_95 = 1.96
 # Standard deviations of ln f and ln zeta that are left with no noise at all: windows, the sensor's steps, a clock
 # found to 1 ppm (benchmarks/identify_truth.py)
-FREQUENCY_FLOOR, DAMPING_FLOOR = 1e-4, 1e-3
+FREQUENCY_FLOOR, DAMPING_FLOOR = 1e-5, 1e-4
 NEIGHBOURS = 15  # lines whose residuals tell the noise of the one among them
 
 
@@ -50,7 +51,10 @@ def covariance(frf: Frf, best: Candidate) -> np.ndarray:
     inverse = _inverse((J.conj().T @ J).real + known.T @ known)
     # each line pulls the fit towards itself and so leaves less over: h is its share in its own fit (HC3)
     h = 0.5 * np.einsum("mi,ij,mj->m", J.conj(), inverse, J).real
-    v = neighbours_mean(np.abs(r / np.maximum(1 - h, 0.1)) ** 2, NEIGHBOURS) * correlation_length(r)
+    # lines a few apart leave over as different parts of |H| as their random errors are: of a peak's it is little
+    part = np.maximum(neighbours_mean(2 * frf.sd**2), 1e-300) / deviation(frf) ** 2
+    left = np.abs(r / np.maximum(1 - h, 0.1)) ** 2 / part
+    v = part * neighbours_mean(left, NEIGHBOURS) * correlation_length(r)
     B = 0.5 * ((J.conj().T * v) @ J).real + known.T @ known
     return np.asarray(inverse @ B @ inverse)
 
@@ -65,14 +69,14 @@ def mode_estimates(best: Candidate, cov: np.ndarray) -> tuple[ModeEstimate, ...]
     """The resonances, strongest peak (gain by damping) first."""
     shape, model = best.shape, model_of(best.shape, best.theta)
     found, at = [], OUTSIDE
+    spread = np.sqrt(np.maximum(np.diag(cov), 0.0))
     for i, r in enumerate(model.resonances):
-        spread = np.sqrt(np.diag(cov))
         by_theta = np.zeros(shape.size)
         if i > 0:
             by_theta[at + 2] = 1.0
         else:
             by_theta[gain_places(shape)] = -1.0
-        gain = float(np.sqrt(by_theta @ cov @ by_theta))
+        gain = float(np.sqrt(max(by_theta @ cov @ by_theta, 0.0)))  # rounding may leave less than 0
         found.append(
             ModeEstimate(
                 of_logarithm(r.frequency, float(np.hypot(spread[at], FREQUENCY_FLOOR))),
@@ -88,12 +92,16 @@ def mode_estimates(best: Candidate, cov: np.ndarray) -> tuple[ModeEstimate, ...]
 def told_modes(frf: Frf, found: Sequence[Candidate]) -> tuple[ModeEstimate, ...]:
     """The chosen fit's modes, the first of `found`, with intervals that hold what the choice of a shape leaves open.
 
-    Shapes of as many modes that the criterion does not rule out say other values: each weighs exp(-BIC / 2), and
+    Shapes of as many modes that the data do not rule out say other values: each weighs exp(-AIC / 2), and
     var = sum_k weight_k (var_k + (value_k - value)^2) (Buckland, Burnham & Augustin 1997, Biometrics 53, Eq. 9).
+    By BIC, which chooses, a lag that stands for all above the band would have to be seen to be believed; left out
+    where it is there, it moves a well damped mode by several of the chosen fit's own standard deviations.
     """
     best = found[0]
-    rivals = [c for c in found if c.shape.pairs == best.shape.pairs and c.criterion < best.criterion + DECISIVE]
-    weights = np.exp([0.5 * (best.criterion - c.criterion) for c in rivals])
+    same = [c for c in found if c.shape.pairs == best.shape.pairs]
+    least = min(c.akaike for c in same)
+    rivals = [best, *(c for c in same[1:] if c.akaike < least + DECISIVE)]
+    weights = np.exp([0.5 * (least - c.akaike) for c in rivals])
     told = [mode_estimates(c, covariance(frf, c)) for c in rivals]
     return tuple(_averaged(told, weights / weights.sum(), mode) for mode in told[0])
 

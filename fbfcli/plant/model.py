@@ -5,6 +5,7 @@ b, a : coefficients of z^0, z^-1, ...      p, r : poles in z and their residues 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -14,7 +15,7 @@ from scipy.linalg import svd
 from scipy.signal import cont2discrete, lfilter
 
 from fbfcli.errors import ModelError
-from fbfcli.printer import FrequencyResponse, ImpulseResponse, ModalModel, Model, TransferFunction
+from fbfcli.printer import FrequencyResponse, ImpulseResponse, ModalModel, Mode, Model, TransferFunction
 
 DC_TOLERANCE = 0.02  # of rounded coefficients and of measurements; a larger offset is another quantity than position
 MARGINAL = 1e-6  # a pole this close to the unit circle rings for millions of samples
@@ -22,6 +23,7 @@ LONGEST_S, MAX_SAMPLES = 20.0, 20_000  # of an impulse response, the larger of b
 TOLERANCE = 1e-5  # of the slowest envelope at the end of an impulse response: 11.5 time constants
 TAIL = 0.01  # of an impulse response that may be cut off
 RANK = 1e-3  # singular values of a Hankel matrix under this part of the largest are no mode
+Part = tuple[np.ndarray, np.ndarray]
 HANKEL = 300  # rows of that matrix: 0.6 s of response at 1 ms tell modes apart from 2 Hz on
 
 
@@ -58,7 +60,7 @@ def plant_of(model: Model, dt: float, axis: str) -> Plant:
 def coefficients(model: Model, dt: float, axis: str) -> tuple[np.ndarray, np.ndarray]:
     """b, a of a model at period `dt` [s], as they come. Raises ModelError."""
     if isinstance(model, ModalModel):
-        return _first_order_hold(model, dt)
+        return first_order_hold(map(_in_s, model.modes), dt)
     if isinstance(model, TransferFunction):
         return _resampled(model, dt, axis)
     if isinstance(model, ImpulseResponse):
@@ -102,14 +104,38 @@ def modes(plant: Plant) -> tuple[Vibration, ...]:
     return tuple(sorted(found, key=lambda mode: -mode.weight))
 
 
-def _first_order_hold(model: ModalModel, dt: float) -> tuple[np.ndarray, np.ndarray]:
-    """b, a of a sum of modes whose command is linear between samples, as a planner's command is."""
-    b, a = np.zeros(1), np.ones(1)
-    for mode in model.modes:
-        w = 2 * np.pi * mode.frequency
-        num, den, _ = cont2discrete(([mode.gain * w**2], [1.0, 2 * mode.damping * w, w**2]), dt, method="foh")
-        b, a = np.polyadd(np.polymul(b, den), np.polymul(np.ravel(num), a)), np.polymul(a, den)
+def _in_s(mode: Mode) -> Part:
+    """Numerator and denominator of one mode."""
+    w = 2 * np.pi * mode.frequency
+    return np.array([mode.gain * w**2]), np.array([1.0, 2 * mode.damping * w, w**2])
+
+
+def first_order_hold(parts: Iterable[Part], dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """b, a of a sum of parts whose command is linear between samples dt [s] apart, as a planner's command is.
+
+    parts : numerator and denominator in s of each, highest power first; their sum is what is brought to dt
+    """
+    b: np.ndarray = np.zeros(1)
+    a: np.ndarray = np.ones(1)
+    for num_s, den_s in parts:
+        leading = np.flatnonzero(num_s)
+        if not len(leading):  # a part of gain 0 is none, but keeps its poles
+            num: np.ndarray = np.zeros(1)
+            den = cont2discrete(([1.0], den_s), dt, method="foh")[1]
+        else:
+            num, den, _ = cont2discrete((np.asarray(num_s)[leading[0] :], den_s), dt, method="foh")
+        num = np.ravel(num)
+        padded = np.concatenate((np.zeros(len(den) - len(num)), num))
+        b, a = np.polyadd(np.polymul(b, den), np.polymul(padded, a)), np.polymul(a, den)
     return b, a
+
+
+def mean_response(responses: Sequence[np.ndarray], weights: Sequence[float] | np.ndarray) -> np.ndarray:
+    """sum_j weights_j h_j of impulse responses of any lengths, as long as the longest."""
+    h = np.zeros(max(map(len, responses)))
+    for weight, response in zip(weights, responses, strict=True):
+        h[: len(response)] += weight * response
+    return h
 
 
 def _resampled(model: TransferFunction, dt: float, axis: str) -> tuple[np.ndarray, np.ndarray]:

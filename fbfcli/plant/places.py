@@ -7,7 +7,7 @@ from dataclasses import astuple
 
 import numpy as np
 
-from fbfcli.plant.model import impulse_response, plant_of
+from fbfcli.plant.model import impulse_response, mean_response, plant_of
 from fbfcli.printer import ImpulseResponse, ModalModel, Mode, Model, Place
 
 
@@ -47,11 +47,8 @@ def between(models: Sequence[Model], share: Sequence[float], dt: float, axis: st
     if len(modal) == len(part) and len({len(modes) for modes, _ in modal}) == 1:
         rows = [np.array([(m.frequency**-2, m.damping, m.gain) for m in modes]) * s for modes, s in modal]
         return ModalModel(tuple(Mode(f**-0.5, zeta, gain) for f, zeta, gain in np.sum(rows, axis=0).tolist()))
-    responses = [s * impulse_response(plant_of(model, dt, axis)) for model, s in part]
-    h = np.zeros(max(map(len, responses)))
-    for response in responses:
-        h[: len(response)] += response
-    return ImpulseResponse(tuple(h.tolist()), dt)
+    responses = [impulse_response(plant_of(model, dt, axis)) for model, _ in part]
+    return ImpulseResponse(tuple(mean_response(responses, [s for _, s in part]).tolist()), dt)
 
 
 def _linear(known: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import cont2discrete
 
+from fbfcli.plant.model import first_order_hold
 from fbfcli.printer import ModalModel, Mode, TransferFunction
 
 DIGITS = 6  # significant, of a number in a profile
@@ -82,14 +82,8 @@ def zeros(model: Rational) -> np.ndarray:
 
 def discretised(model: Rational, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """b, a of z^0, z^-1, ... for a command that is linear between samples dt [s] apart, as a planner's is."""
-    b: np.ndarray = np.zeros(1)
-    a: np.ndarray = np.ones(1)
-    for part in [*(Rational((r,)) for r in model.resonances), *(Rational((), (lag,)) for lag in model.lags)]:
-        b_s, a_s = polynomials(part)
-        num, den, _ = cont2discrete((np.trim_zeros(b_s, "f"), a_s), dt, method="foh")
-        padded = np.concatenate((np.zeros(len(den) - np.size(num)), np.ravel(num)))
-        b, a = np.polyadd(np.polymul(b, den), np.polymul(padded, a)), np.polymul(a, den)
-    return b, a
+    parts = [*(Rational((r,)) for r in model.resonances), *(Rational((), (lag,)) for lag in model.lags)]
+    return first_order_hold(map(polynomials, parts), dt)
 
 
 def profile_model(model: Rational, dt: float) -> ModalModel | TransferFunction:

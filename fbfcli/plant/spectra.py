@@ -36,6 +36,7 @@ class Spectra:
     frequency  : ndarray, shape (m,)           centre of each line, weighted by the command's power [Hz]
     width      : ndarray, shape (m,)           a line averages the response as a band of this width does [Hz]
     xx, xy, yy : ndarrays, shape (m,)          |X|^2, X* Y (complex), |Y|^2
+    noise      : ndarray, shape (m,)           of |Y|^2 what no line of one response explains, in proportion to xx
     count      : ndarray, shape (m,)           independent averages in each line
     """
 
@@ -44,6 +45,7 @@ class Spectra:
     xx: np.ndarray
     xy: np.ndarray
     yy: np.ndarray
+    noise: np.ndarray
     count: np.ndarray
 
 
@@ -90,8 +92,9 @@ def _averaged(
     xx, xy, yy, xf = (np.array(column) for column in zip(*rows, strict=True))
     strongest = xx.max(axis=0)
     heard, faint = xx >= gate * strongest, xx >= min(gate, FAINT) * strongest
-    agreeing = np.abs((heard * xy).sum(axis=0)) ** 2 / np.maximum((heard * xx).sum(axis=0), TINY)
-    coherence = agreeing / np.maximum((heard * yy).sum(axis=0), TINY)
+    command, answer = (np.maximum((heard * power).sum(axis=0), TINY) for power in (xx, yy))
+    agreeing = np.abs((heard * xy).sum(axis=0)) ** 2 / command
+    coherence = agreeing / answer
     total, cross = np.maximum((faint * xx).sum(axis=0), TINY), (faint * xy).sum(axis=0)
     return Spectra(
         frequency=np.where(total > TINY, (faint * xf).sum(axis=0) / total, 0.5 * (f[first[:-1]] + f[first[1:] - 1])),
@@ -100,6 +103,7 @@ def _averaged(
         xx=total,
         xy=cross,
         yy=np.abs(cross) ** 2 / (total * np.maximum(coherence, TINY)),  # as coherent as where the command is
+        noise=np.maximum(answer - agreeing, 0.0) * total / command,
         count=_independent(heard * xx) * _independent_bins(bins_in_line),
     )
 
@@ -148,5 +152,6 @@ def together(spectra: Sequence[Spectra]) -> Spectra:
         xx=xx,
         xy=np.sum([s.xy for s in spectra], axis=0),
         yy=np.sum([s.yy for s in spectra], axis=0),
+        noise=np.sum([s.noise for s in spectra], axis=0),
         count=np.sum([s.count for s in spectra], axis=0),
     )

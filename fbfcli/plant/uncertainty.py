@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fbfcli.errors import ModelError
-from fbfcli.plant.model import Plant, impulse_response, plant_of
+from fbfcli.plant.model import Plant, impulse_response, mean_response, plant_of
 from fbfcli.printer import (
     Family,
     FrequencyResponse,
@@ -43,11 +43,7 @@ class Members:
 
     def mean(self) -> np.ndarray:
         """Impulse response of the mean plant sum_j lambda_j G_j, sum 1, shape (n,)."""
-        responses = [impulse_response(plant) for plant in self.plants]
-        h = np.zeros(max(map(len, responses)))
-        for weight, response in zip(self.weights, responses, strict=True):
-            h[: len(response)] += weight * response
-        return h
+        return mean_response([impulse_response(plant) for plant in self.plants], self.weights)
 
 
 def members(model: Model, uncertainty: Spread | Family, dt: float, axis: str) -> Members:

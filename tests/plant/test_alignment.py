@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from resonance_corpus import RESONANCE, needs_resonance
 from simulated_recordings import Sensor, as_klipper_csv, drawn_sensor, modal, recorded
 
 from fbfcli.cli.lookup import find_printer
@@ -20,7 +20,6 @@ from fbfcli.plant.recordings import read_recordings
 from fbfcli.plant.sweep_spec import sweep_of_csv
 from fbfcli.printer import Mode
 
-CORPUS = Path(__file__).parents[2].parent / "shared" / "corpus" / "resonance"
 ONE, TWO = modal([Mode(42.0, 0.05)]), modal([Mode(38.0, 0.06, 0.7), Mode(66.0, 0.04, 0.3)])
 FS = 800.0  # Hz: slower than real sensors, to be quick
 PPM = 1e-6
@@ -151,10 +150,10 @@ def test_a_recording_as_text_is_the_recording():
     np.testing.assert_allclose(back.measured, recording.measured, atol=1e-5)
 
 
-@pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus is not here")
+@needs_resonance
 def test_ulendo_alone_gives_its_pair():
     """The published pair, from the request alone: rate 1573.00 Hz, lag 912 samples, that pair's by whole samples."""
-    (request,) = read_recordings((CORPUS / "ulendo/ender3v2neo_y_240529_143933.json").read_bytes(), "request.json")
+    (request,) = read_recordings((RESONANCE / "ulendo/ender3v2neo_y_240529_143933.json").read_bytes(), "request.json")
     pair = paired(request)
     assert pair.axis == "y"
     assert pair.fs == pytest.approx(1573.0, abs=0.2)

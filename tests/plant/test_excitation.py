@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from math import floor, sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
+from resonance_corpus import RESONANCE, needs_resonance
 
 from fbfcli.errors import RecordingError
 from fbfcli.motion.lookahead import plan_block
@@ -21,7 +21,6 @@ from fbfcli.plant.square_sweep import SweepSettings, swings
 from fbfcli.plant.sweep_spec import SWEPT, named_sweep, sweep_csv, sweep_of_csv
 from fbfcli.printer import Limits
 
-CORPUS = Path(__file__).parents[2].parent / "shared" / "corpus" / "resonance"
 ULENDO = {"f0": 5.0, "f1": 80.0, "dfdt": 4.0, "a": 4000.0, "step_ti": 0.05, "step_a": 4000.0, "dly1_ti": 0.5,
           "dly2_ti": 1.0, "dly3_ti": 1.0}  # fmt: skip
 ALL = {
@@ -153,9 +152,9 @@ def test_ulendo_markers_are_a_square_wave():
         np.testing.assert_allclose(a, sign * 4000.0 * np.array([1, -1, -1, 1, 0]), atol=1e-6)
 
 
-@pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus is not here")
+@needs_resonance
 def test_ulendo_is_the_command_that_others_rebuilt():
-    file = CORPUS / "commanded_measured" / "ulendo_ender3v2neo_y_240529_143933_paired.csv"
+    file = RESONANCE / "commanded_measured" / "ulendo_ender3v2neo_y_240529_143933_paired.csv"
     (pair,) = read_recordings(file.read_bytes(), file.name)
     inside = (pair.t > 1.0) & (pair.t < 20.6) & (np.abs(pair.t - 2.7) > 2e-3)  # at 2.7 s the amplitude's growth ends
     a = acceleration(ulendo_sweep(**ULENDO), pair.t, 1e-5)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from response_cases import FS, ONE, TWO, swept
 
-from fbfcli.plant.frf import ESTIMATORS, combined, frf, from_table, shift_between, shifted, trusted
+from fbfcli.plant.frf import ESTIMATORS, combined, frf, from_table, shift_between, shifted, shifts, trusted
 from fbfcli.plant.rational import response
 from fbfcli.plant.spectra import short_time, welch
 
@@ -68,7 +68,7 @@ def test_recordings_aligned_one_by_one_are_combined_without_wearing_away():
     one, other = (short_time(*swept(ONE, 0.05, rng, f1=60.0), FS, (5.0, 60.0)) for _ in range(2))
     late = shifted(other, -0.004)
     assert shift_between(one, late) == pytest.approx(0.004, abs=2e-5)
-    found = frf(combined([one, late]))
+    found = frf(combined([one, late], shifts([one, late])))
     alone = frf(one)
     assert np.allclose(np.abs(found.H), np.abs(alone.H), rtol=0.1)
     assert found.count.mean() == pytest.approx(2 * alone.count.mean(), rel=0.05)

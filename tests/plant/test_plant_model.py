@@ -123,3 +123,11 @@ def test_what_is_no_plant_is_refused_with_its_value(model, words):
     with pytest.raises(ModelError, match=words) as refused:
         plant_of(model, DT, "x")
     assert "axis x" in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_a_mode_of_no_gain_changes_no_response():
+    one = plant_of(ModalModel((Mode(40.0, 0.05),)), 1e-3, "x")
+    more = plant_of(ModalModel((Mode(40.0, 0.05), Mode(70.0, 0.1, 0.0))), 1e-3, "x")
+    h, g = impulse_response(one), impulse_response(more)
+    n = min(len(h), len(g))
+    np.testing.assert_allclose(h[:n], g[:n], atol=5e-6)  # each is cut at 1e-5 of its own envelope

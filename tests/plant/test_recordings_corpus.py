@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from resonance_corpus import RESONANCE, needs_resonance
 
 from fbfcli.errors import RecordingError
 from fbfcli.plant.recording import PowerSpectrum, ReadOptions, Recording, ResponseTable
 from fbfcli.plant.recordings import read_recordings
 
-CORPUS = Path(__file__).parents[2].parent / "shared" / "corpus" / "resonance"
-pytestmark = pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus is not here")
-FILES = sorted(CORPUS.glob("*/*")) if CORPUS.is_dir() else []
+pytestmark = needs_resonance
+FILES = sorted(RESONANCE.glob("*/*"))
 REFUSED = {
     "owendare_0_2022-12-31_22.38.47.csv": ":2: the capture failed: 'Failed to start accelerometer'",
     "oernster_inputshaper_20240830_181255_X_EMPTY.csv": ":1: no numbers in it",
@@ -53,7 +53,7 @@ def test_every_file_is_read_or_refused_in_one_line(file):
 
 
 def test_a_log_without_names_is_read_by_the_numbers_of_its_columns():
-    log = read(CORPUS / "commanded_measured" / "camber_LinA_pp-sine-sweep-10mm-0.5Hz.txt", time="1", command="3",
+    log = read(RESONANCE / "commanded_measured" / "camber_LinA_pp-sine-sweep-10mm-0.5Hz.txt", time="1", command="3",
                measured="4")  # fmt: skip
     assert log.fs == pytest.approx(100.0)
     assert np.corrcoef(log.command, log.measured[:, 0])[0, 1] > 0.99

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from resonance_corpus import RESONANCE, needs_resonance
 from response_cases import ONE
 
 from fbfcli.control.shapers import impulses
@@ -53,16 +54,14 @@ TOLD = {"zv": 52.6, "mzv": 54.2, "ei": 64.8, "2hump_ei": 80.6, "3hump_ei": 96.2}
 
 
 @pytest.fixture
-def of_2023(root):
+def of_2023():
     """f, psd and the response of each shaper that Klipper chose, from a file of March 2023."""
-    spectra = root.parent / "shared" / "corpus" / "resonance" / "klipper_psd"
-    file = spectra / "bassco_v24_calibration_data_x_20230306_225431.csv"
-    if not file.exists():
-        pytest.skip("the corpus is not here")
+    file = RESONANCE / "klipper_psd" / "bassco_v24_calibration_data_x_20230306_225431.csv"
     table = np.genfromtxt(file, delimiter=",", skip_header=1)
     return table[:, 0], table[:, 4], table[:, 5:]
 
 
+@needs_resonance
 def test_klipper_s_own_answer_is_found_in_its_file(of_2023, monkeypatch):
     """All five kinds, to the step, with the shapers and the rule of the file's time: no vibration was tolerated yet."""
     f, psd, _ = of_2023
@@ -72,6 +71,7 @@ def test_klipper_s_own_answer_is_found_in_its_file(of_2023, monkeypatch):
     assert best.name == "mzv"
 
 
+@needs_resonance
 def test_the_file_s_shapers_are_those_of_its_time(of_2023):
     """What a shaper leaves at each frequency stands in the file: today's EI family is another, the rest is the same."""
     f, _, left = of_2023
