@@ -7,14 +7,18 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 import parts
 import slicers
 
-JOBS = {  # file: solid, slicer
-    "ringing_tower.gcode": (parts.ringing_tower, slicers.prusa_slicer),
-    "star.gcode": (parts.star, slicers.prusa_slicer),
-    "curve.gcode": (parts.hull, slicers.prusa_slicer),
-    "ringing_tower_cura.gcode": (parts.ringing_tower, slicers.cura_engine),
+JOBS = {  # file: solid, its width and length against what `parts` draws, slicer
+    "ringing_tower.gcode": (parts.ringing_tower, 1.0, slicers.prusa_slicer),
+    "star.gcode": (parts.star, 1.0, slicers.prusa_slicer),
+    "curve.gcode": (parts.hull, 1.0, slicers.prusa_slicer),
+    "ringing_tower_cura.gcode": (parts.ringing_tower, 1.0, slicers.cura_engine),
+    "half_size/ringing_tower.gcode": (parts.ringing_tower, 0.5, slicers.prusa_slicer),
+    "half_size/star.gcode": (parts.star, 0.5, slicers.prusa_slicer),
+    "half_size/curve.gcode": (parts.hull, 0.5, slicers.prusa_slicer),
 }
 
 
@@ -22,9 +26,10 @@ def main(folder: Path) -> None:
     if hasattr(os, "sched_setaffinity"):  # on several cores PrusaSlicer's lines differ from run to run
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     with tempfile.TemporaryDirectory() as scratch:
-        for name, (solid, slicer) in JOBS.items():
+        for name, (solid, size, slicer) in JOBS.items():
             stl = Path(scratch) / f"{solid.__name__}.stl"
-            stl.write_bytes(parts.stl(solid()))
+            stl.write_bytes(parts.stl(solid() * np.array([size, size, 1.0])))
+            (folder / name).parent.mkdir(exist_ok=True)
             slicer(stl, (folder / name).resolve())
             sys.stderr.write(f"{folder / name}: {(folder / name).stat().st_size} bytes\n")
 
