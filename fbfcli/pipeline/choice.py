@@ -13,8 +13,8 @@ from fbfcli.printer import Axis, Family, Printer, Spread
 # Half a range of frequency in which lpfbs is still nearer to the path than contour is. Error across the path RMS [um],
 # lpfbs/contour, machines spread evenly over the range, star and curve at 5,000 and 15,000 mm/s^2:
 #                   1 %        2 %        3 %        5 %
-# 35/28 Hz          3.3/7.1    5.4/7.9    7.7/8.8    12.5/10.4
-# 45+85/38+66 Hz    2.5/3.6    3.7/4.1    5.0/4.6    7.8/5.4
+# 35/28 Hz          3.1/6.9    4.8/7.5    6.8/8.4    10.9/9.8
+# 45+85/38+66 Hz    2.4/3.5    3.4/3.9    4.5/4.4    7.1/5.2
 EXACT = {"one mode": 0.03, "several modes": 0.02}
 ROUNDING = 1e-9
 FAMILY_METHODS = ("robust", "robust_fbf", "contour")  # know the family, not the nominal plant alone
