@@ -112,7 +112,12 @@ def printer_of(plant: str) -> Printer:
 def machines(printer: Printer, condition: str, dt: float) -> Iterator[tuple[Plant, ...]]:
     """The plants that a condition stands for."""
     for q, d in CONDITIONS[condition]:
-        yield tuple(changed(axis.model, q, d, dt, axis.name) for axis in printer.axes[:2] if axis.model)
+        yield machine(printer, q, d, dt)
+
+
+def machine(printer: Printer, q: float, d: float, dt: float) -> tuple[Plant, ...]:
+    """The plants whose frequencies are q times, and dampings d times, the models'."""
+    return tuple(changed(axis.model, q, d, dt, axis.name) for axis in printer.axes[:2] if axis.model)
 
 
 def layers(text: bytes) -> bytes:
