@@ -5,9 +5,9 @@ They are another prototype's: the same formulas on five other parts, contour err
 they were printed, and how the two signs of an error make one number is not said. What `none`, `zv`, `mzv`, `ei` and
 `lpfbs` have there was asked, whatever `contour` makes of it. It does not settle the matter:
 - The signs, on whole samples at 200 mm/s. `none` on 35/28 Hz at +-15 % has 1.25 times what it has at 0; the worse sign
-  gives 1.27, the RMS of both 1.06. With the worse sign the ratios of all methods but `mzv` stay level within a tenth from
-  +-5 to +-15 %, with the RMS they fall. That is true of 35/28 Hz only: for `lpfbs` on all other plants, and for `zv` on
-  45/36 Hz, the RMS is the flatter.
+  gives 1.27, the RMS of both 1.06. With the worse sign the ratios of all methods but `mzv` stay level within a tenth
+  from +-5 to +-15 %, with the RMS they fall. That is true of 35/28 Hz only: for `lpfbs` on all other plants, and for
+  `zv` on 45/36 Hz, the RMS is the flatter.
 - The parts, by ratios on 35 and 45 Hz. Whole samples at 200 mm/s have the ringing (exact, `none` to `ei`: .9 to 1.0),
   and at twice the damping, where one axis lags behind the other, `lpfbs` has 1.1 and 1.5. At 100 mm/s they have .7 to
   .8 of the ringing, and .8 and 1.0 there. Halves at 100 mm/s: .85 to 1.0, and .9 and 1.2.
