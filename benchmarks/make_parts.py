@@ -5,16 +5,25 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import parts
 import slicers
 
-JOBS = {  # file: solid, slicer
-    "ringing_tower.gcode": (parts.ringing_tower, slicers.prusa_slicer),
-    "star.gcode": (parts.star, slicers.prusa_slicer),
-    "curve.gcode": (parts.hull, slicers.prusa_slicer),
-    "ringing_tower_cura.gcode": (parts.ringing_tower, slicers.cura_engine),
+Job = tuple[Callable[[], np.ndarray], float, Callable[..., str], dict[str, str]]
+SLOWER = dict.fromkeys((  # half as fast as prusa.ini
+    "perimeter_speed", "external_perimeter_speed", "small_perimeter_speed",
+    "infill_speed", "solid_infill_speed", "top_solid_infill_speed"), "100")  # fmt: skip
+JOBS: dict[str, Job] = {  # file: solid, its width and length against what `parts` draws, slicer, settings
+    "ringing_tower.gcode": (parts.ringing_tower, 1.0, slicers.prusa_slicer, {}),
+    "star.gcode": (parts.star, 1.0, slicers.prusa_slicer, {}),
+    "curve.gcode": (parts.hull, 1.0, slicers.prusa_slicer, {}),
+    "ringing_tower_cura.gcode": (parts.ringing_tower, 1.0, slicers.cura_engine, {}),
+    "half_size/ringing_tower.gcode": (parts.ringing_tower, 0.5, slicers.prusa_slicer, SLOWER),
+    "half_size/star.gcode": (parts.star, 0.5, slicers.prusa_slicer, SLOWER),
+    "half_size/curve.gcode": (parts.hull, 0.5, slicers.prusa_slicer, SLOWER),
 }
 
 
@@ -22,10 +31,11 @@ def main(folder: Path) -> None:
     if hasattr(os, "sched_setaffinity"):  # on several cores PrusaSlicer's lines differ from run to run
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     with tempfile.TemporaryDirectory() as scratch:
-        for name, (solid, slicer) in JOBS.items():
+        for name, (solid, size, slicer, settings) in JOBS.items():
             stl = Path(scratch) / f"{solid.__name__}.stl"
-            stl.write_bytes(parts.stl(solid()))
-            slicer(stl, (folder / name).resolve())
+            stl.write_bytes(parts.stl(solid() * np.array([size, size, 1.0])))
+            (folder / name).parent.mkdir(exist_ok=True)
+            slicer(stl, (folder / name).resolve(), **settings)
             sys.stderr.write(f"{folder / name}: {(folder / name).stat().st_size} bytes\n")
 
 

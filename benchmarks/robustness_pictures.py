@@ -14,11 +14,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from executed import Executed, executed
 from matplotlib.axes import Axes
-from robustness import ROOT, UM, printer_of
+from robustness import ROOT, UM, machine, printer_of
 
 from fbfcli.pipeline import Settings
-from fbfcli.plant.model import Plant
-from fbfcli.plant.uncertainty import changed
 from fbfcli.printer import Printer
 
 PART = ROOT / "sample_gcode" / "star.gcode"
@@ -36,15 +34,11 @@ CURVES = {"ZV": ("zv", None, "#c9b6e4"), "MZV": ("mzv", None, "#d1495b"), "FBF":
           "contour ±5 %": ("contour", 0.05, "#9bd1d9"), "contour ±10 %": ("contour", 0.10, "#4aa5b5"),
           "contour ±15 %": ("contour", 0.15, "#00798c"), "contour ±25 %": ("contour", 0.25, "#004651")}  # fmt: skip
 DPI = 100
+DT = Settings.dt  # s
 
 
 def written(printer: Printer, method: str, spread: float | None) -> Executed:
     return executed(PART.read_bytes(), printer, Settings(method=method, acceleration=ACCELERATION, spread=spread))
-
-
-def machine(printer: Printer, q: float) -> tuple[Plant, ...]:
-    """The plants whose frequencies are q times the models'."""
-    return tuple(changed(axis.model, q, 1.0, 1e-3, axis.name) for axis in printer.axes[:2] if axis.model)
 
 
 def at_corner(print_: Executed) -> slice:
@@ -67,7 +61,7 @@ def corner(axes: Axes, printer: Printer, words: str, method: str, spread: float 
     """One method's corner, its error drawn larger."""
     print_ = written(printer, method, spread)
     here = at_corner(print_)
-    path, nozzle = print_.desired[here], print_.nozzle(machine(printer, OFF))[here]
+    path, nozzle = print_.desired[here], print_.nozzle(machine(printer, OFF, 1.0, DT))[here]
     error = offsets(path, nozzle)
     axes.plot(*path.T, color="black", lw=1.0)
     axes.plot(*(nozzle + (LARGER - 1.0) * error).T, color=colour, lw=2.0)
@@ -94,7 +88,7 @@ def draw_spread(file: Path) -> None:
     figure, axes = plt.subplots(figsize=(9, 5))
     for words, (method, spread, colour) in CURVES.items():
         print_ = written(printer, method, spread)
-        error = [UM * print_.contour(print_.nozzle(machine(printer, q))) for q in FACTORS]
+        error = [UM * print_.contour(print_.nozzle(machine(printer, q, 1.0, DT))) for q in FACTORS]
         axes.plot(100 * (FACTORS - 1), error, color=colour, label=words, lw=2 if method == "contour" else 1.4,
                   ls="-" if method == "contour" else "--")  # fmt: skip
     axes.set_xlabel("true resonances against the model's [%]")

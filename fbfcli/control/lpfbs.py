@@ -16,8 +16,10 @@ from scipy.linalg import qr, solve_triangular
 
 from fbfcli.control.basis import Basis
 from fbfcli.control.spline_fbf import FilteredBasis
+from fbfcli.errors import ModelError
 
 SETTLED, AVERAGED = 20, 100  # windows of the power iteration: left out past the plant's memory, then averaged
+EARLIER = 64  # splines before a window whose samples are held at once
 UNSTABLE = 0.5  # radius per window from which a design is refused: errors of one window must die in the next few
 
 
@@ -78,33 +80,45 @@ class LimitedPreview:
 
 
 def limited_preview(full: FilteredBasis, mu: float, n_C: int, n_up: int) -> LimitedPreview:
-    """The windows' matrices for one axis; `full` must hold n_C coefficients or more. Its `radius` is to be checked."""
-    Phi, Phi_P = _rows(full, n_C)
-    if mu > 0:
-        bent, bent_P = _bending(full.basis, n_C, Phi_P.shape[1])
-        Phi, Phi_P = np.vstack((Phi, np.sqrt(mu) * bent)), np.vstack((Phi_P, np.sqrt(mu) * bent_P))
-    scale = np.sqrt(np.square(Phi).sum(axis=0))  # late splines have barely begun to show: equal columns
-    Q, R, order = qr(Phi / scale, mode="economic", pivoting=True)
-    inverse = np.empty_like(Q.T)
-    inverse[order] = solve_triangular(R, Q.T)
-    pinv = inverse[:n_up] / scale[:n_up, None]
-    W, V = pinv[:, : n_C * full.basis.L], pinv @ Phi_P
+    """The windows' matrices for one axis; `full` must hold n_C coefficients or more. Its `radius` is to be checked.
+
+    With Phi_C P = Q R, the first n_up rows of Phi_C^+ are X Q^T, X those rows of P R^-1. At most one matrix of Phi_C's
+    size is held, and the QR is done in its place. Raises ModelError where a spline does not show in its window.
+    """
+    Phi = _splines(full, mu, n_C, 0, n_C)
+    scale = np.sqrt(np.einsum("ij,ij->j", Phi, Phi))  # late splines have barely begun to show: equal columns
+    if not scale.all():
+        raise ModelError(f"windows end before their last spline shows: knots every {full.basis.L} samples are too near")
+    Phi /= scale
+    Q, R, order = qr(Phi, overwrite_a=True, mode="economic", pivoting=True)
+    kept = np.zeros((n_C, n_up))
+    kept[np.argsort(order)[:n_up], np.arange(n_up)] = 1.0 / scale[:n_up]
+    X = solve_triangular(R, kept, trans="T").T
+    earlier = range(1 - len(full.psi), 0, EARLIER)
+    heard = [Q.T @ _splines(full, mu, n_C, first, min(first + EARLIER, 0)) for first in earlier]
+    W, V = X @ Q[: n_C * full.basis.L].T, X @ np.hstack(heard)
     return LimitedPreview(np.ascontiguousarray(W), np.ascontiguousarray(V), full)
 
 
-def _rows(full: FilteredBasis, n_C: int) -> tuple[np.ndarray, np.ndarray]:
-    """Phi_C, shape (n_C L, n_C), and Phi_PC, shape (n_C L, Q): the window's samples of its own and earlier splines."""
-    S, L = full.psi.shape
-    lag = np.arange(n_C)[:, None] - np.arange(-(S - 1), n_C)  # intervals from a spline's knot
-    pieces = np.where(((lag >= 0) & (lag < S))[..., None], full.psi[np.clip(lag, 0, S - 1)], 0.0)
-    both = pieces.transpose(0, 2, 1).reshape(n_C * L, -1)
-    return both[:, S - 1 :], both[:, : S - 1]
+def _splines(full: FilteredBasis, mu: float, n_C: int, first: int, stop: int) -> np.ndarray:
+    """Columns of (Phi_PC, Phi_C): a window's samples of splines first to stop - 1, its own beginning with 0, shape
+    (n_C L, stop - first); where mu > 0, more rows below them, whose squares are mu times those of the bending.
+    """
+    shown = [full.psi] if mu == 0 else [full.psi, np.sqrt(mu) * _bending(full.basis)]
+    ends = n_C * np.cumsum([one.shape[1] for one in shown])
+    columns = np.zeros((stop - first, ends[-1]))
+    for i, column in zip(range(first, stop), columns, strict=True):
+        for one, rows in zip(shown, np.split(column, ends[:-1]), strict=True):
+            inside = one[max(-i, 0) : n_C - i]
+            rows.reshape(n_C, -1)[max(i, 0) :][: len(inside)] = inside
+    return columns.T
 
 
-def _bending(basis: Basis, n_C: int, n_P: int) -> tuple[np.ndarray, np.ndarray]:
-    """Second differences of the command at the window's samples, by its own and by n_P earlier splines."""
-    L = basis.L
+def _bending(basis: Basis) -> np.ndarray:
+    """Second differences of a spline by intervals, shape (intervals, rows): of the L rows of an interval no more than
+    there are splines in it. One rotation for all intervals does it, which leaves every sum of squares.
+    """
     v = np.convolve(basis.beta, [1.0, -2.0, 1.0])
-    k = np.arange(n_C * L)[:, None] - L * np.arange(-n_P, n_C)
-    both = np.where((k >= 0) & (k < len(v)), v[np.clip(k, 0, len(v) - 1)], 0.0)
-    return both[:, n_P:], both[:, :n_P]
+    v = np.concatenate((v, np.zeros(-len(v) % basis.L)))
+    _, R = qr(v.reshape(-1, basis.L).T, mode="economic")
+    return np.asarray(R.T)

@@ -34,7 +34,7 @@ DEGREE = 5
 KNOT_S = 0.004  # between knots at most: wider ones need a longer hold
 RHO = 0.045  # curvature weight: u'' of (w_n)^2 times a displacement costs this part of it as error
 PREVIEW_S = 0.25  # of LPFBS at least: 10 / ln|z| at 1 ms for the TAZ 6's zeros z outside the unit circle
-MOST_AHEAD = 400  # knots of preview where the robust filter begins early: 300 MB to design; beyond, wider knots
+MOST_AHEAD = 400  # knots of preview where the robust filter begins early: 180 MB at L = 10; beyond, wider knots
 LONGER = 1.5  # and this much longer as often as its recursion is not stable enough
 ATTEMPTS = 6
 N_C = (2048, 8192)  # coefficients that fbf solves at once, least and most: 150 MB an axis at Q = 2300

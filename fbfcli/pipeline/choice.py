@@ -11,10 +11,13 @@ from fbfcli.plant.uncertainty import ASSUMED, ASSUMED_AT
 from fbfcli.printer import Axis, Family, Printer, Spread
 
 # Half a range of frequency in which lpfbs is still nearer to the path than contour is. Error across the path RMS [um],
-# lpfbs/contour, machines spread evenly over the range, star and curve at 5,000 and 15,000 mm/s^2:
+# lpfbs/contour, machines spread evenly over the range (python benchmarks/choice_rule.py):
 #                   1 %        2 %        3 %        5 %
-# 35/28 Hz          3.3/7.1    5.4/7.9    7.7/8.8    12.5/10.4
-# 45+85/38+66 Hz    2.5/3.6    3.7/4.1    5.0/4.6    7.8/5.4
+# 35/28 Hz          3.0/6.1    4.3/6.7    5.7/7.3    9.0/8.5
+# 45/36 Hz          1.9/3.7    2.6/4.0    3.6/4.5    5.6/5.2
+# 45+85/38+66 Hz    2.1/3.1    2.8/3.3    3.8/3.7    5.9/4.4
+# TAZ 6/HICTOP      5.9/6.2    6.7/6.8    7.8/7.7    10.4/9.8
+# 70/56 Hz          1.0/1.6    1.3/1.7    1.6/1.9    2.3/2.2
 EXACT = {"one mode": 0.03, "several modes": 0.02}
 ROUNDING = 1e-9
 FAMILY_METHODS = ("robust", "robust_fbf", "contour")  # know the family, not the nominal plant alone

@@ -45,6 +45,7 @@ class Designs:
         self._levels: list[list[Compensator]] = []
         self._plants: list[tuple[Plant, Plant]] = []
         self._means: dict[int, tuple[BA, BA]] = {}
+        self._families: dict[tuple[str, tuple[float, ...]], Members] = {}
         if self.vary:
             self._options |= self._shared()
         self._kg_per_mm = printer.filament_density * pi * (printer.filament_diameter / 2) ** 2
@@ -131,8 +132,11 @@ class Designs:
         return self._family(axis, share).mean(), np.ones(1)
 
     def _family(self, axis: Axis, share: tuple[float, ...]) -> Members:
-        uncertainty = uncertainty_of(axis, self._settings)
-        return members(self._model(axis, share), uncertainty, self._settings.dt, axis.name)
+        if (axis.name, share) not in self._families:
+            uncertainty = uncertainty_of(axis, self._settings)
+            found = members(self._model(axis, share), uncertainty, self._settings.dt, axis.name)
+            self._families[axis.name, share] = found
+        return self._families[axis.name, share]
 
     def _plant(self, axis: Axis, share: tuple[float, ...]) -> Plant:
         return plant_of(self._model(axis, share), self._settings.dt, axis.name)

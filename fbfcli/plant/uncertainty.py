@@ -49,8 +49,8 @@ class Members:
 def members(model: Model, uncertainty: Spread | Family, dt: float, axis: str) -> Members:
     """The family of an axis whose nominal model is `model`; `axis` names it in errors.
 
-    Ranges are filled uniformly in frequency and, where damping is uncertain, log-uniformly in damping.
-    Raises ModelError.
+    Any frequency of the range is as likely as any other, and where damping is uncertain its logarithm likewise. Members
+    lie at equal distances, and an end stands for half as much of the range as one within it. Raises ModelError.
     """
     if isinstance(uncertainty, Family):
         plants = tuple(plant_of(each, dt, axis) for each in uncertainty.models)
@@ -60,7 +60,15 @@ def members(model: Model, uncertainty: Spread | Family, dt: float, axis: str) ->
     q = np.linspace(q_low, q_high, many) if q_high > q_low else np.array([q_low])
     d = np.geomspace(d_low, d_high, DAMPINGS) if d_high > d_low else np.array([d_low])
     plants = tuple(changed(model, q_j, d_j, dt, axis) for q_j in q.tolist() for d_j in d.tolist())
-    return Members(plants, np.full(len(plants), 1.0 / len(plants)))
+    return Members(plants, np.outer(_shares(len(q)), _shares(len(d))).ravel())
+
+
+def _shares(n: int) -> np.ndarray:
+    """Part of a range that each of n points at equal distances stands for, the ends among them; shape (n,), sum 1."""
+    share = np.ones(n)
+    if n > 1:
+        share[[0, -1]] = 0.5
+    return share / share.sum()
 
 
 def changed(model: Model, q: float, d: float, dt: float, axis: str) -> Plant:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from control_cases import DT, commanded, described, motion
+from control_cases import DT, commanded, described, family, motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy.linalg import lstsq
+from scipy.linalg import lstsq, pinv
 
 from fbfcli.control.basis import uniform_basis
 from fbfcli.control.design import design
+from fbfcli.control.lpfbs import limited_preview
+from fbfcli.control.robust_basis import robust_response
+from fbfcli.control.spline_fbf import filtered_basis
 from fbfcli.errors import ModelError
 
 PAPER = {"degree": 5, "L": 17, "n_C": 56, "n_up": 28, "mu": 0.0}  # Ramani 2020b, section V
@@ -53,6 +56,28 @@ def test_agrees_with_dense_windows(name, L, n_C, n_up, mu):
     assert_allclose(commanded(compensator, y)[: len(u), 0], y[0, 0] + u, atol=1e-9)
 
 
+@pytest.mark.parametrize(("name", "L", "n_C", "n_up", "mu"),
+                         [("taz6", 8, 70, 30, 5.0), ("taz6", 17, 40, 7, 0.0), ("robust", 8, 70, 30, 5.0),
+                          ("robust", 6, 20, 20, 1.0), ("35 Hz", 2, 60, 20, 50.0)])  # fmt: skip
+def test_a_windows_matrices_are_the_pseudo_inverses(name, L, n_C, n_up, mu):
+    """W is Phi_C^+ and V is Phi_C^+ Phi_PC, of samples above and of bending below; W undoes Phi_C where mu is 0."""
+    h = robust_response(family(40.0, 0.08, 0.15, 5))[0] if name == "robust" else described(name)[0][0].h
+    basis = uniform_basis(5, L)
+    window = limited_preview(filtered_basis(basis, (h,), np.ones(1), mu, n_C), mu, n_C, n_up)
+    lifted = []
+    for one in (np.convolve(h, basis.beta), np.sqrt(mu) * np.convolve(basis.beta, [1, -2, 1])):
+        k = np.arange(n_C * L)[:, None] - L * np.arange(-window.reach, n_C)
+        lifted.append(np.where((k >= 0) & (k < len(one)), one[np.clip(k, 0, len(one) - 1)], 0.0))
+    both = np.vstack(lifted)
+    Phi, Phi_P = both[:, window.reach :], both[:, : window.reach]
+    scale = np.linalg.norm(Phi, axis=0)
+    inverse = (pinv(Phi / scale, rtol=1e-15) / scale[:, None])[:n_up]
+    assert_allclose(window.W, inverse[:, : n_C * L], atol=1e-9)
+    assert_allclose(window.V, inverse @ Phi_P, atol=1e-9)
+    if mu == 0:
+        assert_allclose(window.W @ Phi[: n_C * L], np.eye(n_up, n_C), atol=1e-9)
+
+
 @given(
     seed=st.integers(0, 10**6),
     samples=st.integers(1, 3000),
@@ -90,6 +115,11 @@ def test_the_papers_windows_are_close_to_full_preview():
 def test_an_unstable_recursion_is_refused_with_its_radius():
     with pytest.raises(ModelError, match=r"amplify their errors (6[5-9]|7[0-3])"):
         design("lpfbs", *described("taz6"), {**PAPER, "L": 4})
+
+
+def test_knots_at_every_sample_are_refused():
+    with pytest.raises(ModelError, match="knots every 1 samples are too near"):
+        design("lpfbs", *described("35 Hz"), {"L": 1})
 
 
 @given(st.floats(1, 300), st.floats(-100, 100))

@@ -89,6 +89,14 @@ def test_a_narrow_family_is_smaller_and_an_exact_one_is_one():
     assert len(members(ONE, Spread(), DT, "x").plants) == 1
 
 
+@given(half=st.floats(0.05, 0.3))
+def test_any_frequency_of_the_range_is_as_likely_as_any_other(half):
+    family = members(ONE, Spread((1.0 - half, 1.0 + half)), DT, "x")
+    f = np.array([modes(plant)[0].frequency for plant in family.plants]) / modes(plant_of(ONE, DT, "x"))[0].frequency
+    assert family.weights @ f == pytest.approx(1.0, abs=1e-6)
+    assert family.weights @ (f - 1.0) ** 2 == pytest.approx(half**2 / 3, rel=2.1 / (len(f) - 1) ** 2)  # trapezoids
+
+
 def test_named_models_keep_their_probabilities():
     family = members(ONE, Family((ONE, ModalModel((Mode(50.0, 0.1),))), (0.25, 0.75)), DT, "x")
     np.testing.assert_allclose(family.weights, [0.25, 0.75])
