@@ -79,7 +79,7 @@ def rows(count: int, *cells: Cell) -> bytes:
     for first in range(0, count, AT_ONCE):
         part = table[: count - first]
         for column, each in enumerate(pieces):
-            part[:, column] = each[first : first + AT_ONCE] if each.ndim else each
+            part[:, column] = each[first : first + AT_ONCE] if isinstance(each, np.ndarray) else each
         text.append(written(part))
     return b"".join(text)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from fbfcli.control.shapers import MAX_DAMPING, impulses
 from fbfcli.errors import ModelError
+from fbfcli.pipeline.choice import chosen
 from fbfcli.pipeline.compensate import check_ceilings, compensate
 from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.drawing import Drawing
@@ -65,23 +66,33 @@ def simulate(
     progress  : told how many bytes have been read, of all passes
     watchers  : see the passes with the first of the accelerations
 
+    A method that cannot work on the printer's model is left out, unless it is the only one.
     Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
     """
     under = conditions(wanted.mismatches)
-    results, reading = [], _Reading(open_text, progress)
+    results, refused, reading = [], dict[str, str](), _Reading(open_text, progress)
     for acceleration in wanted.accelerations:
         how = settings if acceleration is None else replace(settings, acceleration=acceleration)
         check_ceilings(printer, how)
         first: Drawing | None = None
         for method in wanted.methods:
             seeing = watchers if acceleration == wanted.accelerations[0] else ()
-            one = _Pass(method, printer, how, wanted, under, seeing, first)
+            try:
+                one = _Pass(method, printer, how, wanted, under, seeing, first)
+            except ModelError as why:
+                if len(wanted.methods) == 1:
+                    raise
+                refused[method] = str(why)
+                continue
             first = first or one.drawing
             results.append(one.run(reading))
-    marks = one.marks
+    if first is None:
+        raise ModelError("; ".join(f"{method}: {why}" for method, why in refused.items()))
+    marks = first.marks
     machine = wanted.machine or printer
+    left_out = tuple(f"{method} is left out: {why}" for method, why in refused.items())
     return Simulation(
-        printer.name, machine.name, wanted.rate, tuple(marks.features), marks.layers, under, tuple(results)
+        printer.name, machine.name, wanted.rate, tuple(marks.features), marks.layers, under, tuple(results), left_out
     )
 
 
@@ -100,7 +111,7 @@ class _Reading:
 
 
 class _Pass:
-    """One pass over the file: one method, at one acceleration."""
+    """One pass over the file: one method, at one acceleration. Raises ModelError: the method is not for the model."""
 
     def __init__(
         self,
@@ -123,8 +134,17 @@ class _Pass:
         if self._in_firmware:
             made = [impulses(shaper, one.frequency, one.damping) for one in self._made_for]
             shaping = InputShaping(made, self._dt)
+        if not (wanted.stamped or self._in_firmware or name == AS_WRITTEN):
+            Designs(printer, chosen(printer, self._how).method, self._how).compensator(0)
         self.drawing = Drawing(name, wanted.machine or printer, under, self._dt, watchers, shaping, first)
         self.marks = self.drawing.marks
+
+    @property
+    def _how(self) -> Settings:
+        """Of the compensation."""
+        x, y = (one.frequency for one in self._made_for) if self._made_for else (None, None)
+        shaped = self._settings.shaped if x is None or y is None else (x, y)
+        return replace(self._settings, method=self._name, shaped=shaped)
 
     def run(self, text: Iterable[bytes]) -> Simulated:
         """Everything of it."""
@@ -147,12 +167,8 @@ class _Pass:
 
     def _compensated(self, chunks: Iterable[bytes]) -> Simulated:
         """The firmware executes what a method makes of the file."""
-        settings = replace(self._settings, method=self._name)
-        if self._made_for:
-            x, y = (one.frequency for one in self._made_for)
-            settings = replace(settings, shaped=(x, y))
-        done = compensate(chunks, self._printer, settings, lambda text: None, lambda read: None, self.drawing.stretches)
-        told = done.summary
+        draw = self.drawing.stretches
+        told = compensate(chunks, self._printer, self._how, lambda text: None, lambda read: None, draw).summary
         return replace(self._told(told.method, told.why, told.time, told.warnings), compensated=told)
 
     def _told(self, method: str, why: str, time: float, warnings: tuple[str, ...]) -> Simulated:

@@ -64,6 +64,7 @@ class Simulation:
 
     features : names of what is printed, by number
     layers   : how many, 0 where nothing tells them
+    left_out : methods that cannot work on the printer's model, and why
     """
 
     printer: str
@@ -73,6 +74,7 @@ class Simulation:
     layers: int
     conditions: tuple[Condition, ...]
     results: tuple[Simulated, ...]
+    left_out: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, object]:
         """For --json."""
@@ -96,7 +98,8 @@ class Simulation:
                 names.setdefault(warning, {})[one.name] = None
         many = len({one.name for one in self.results})
         each = [warning if len(by) == many else f"{', '.join(by)}: {warning}" for warning, by in names.items()]
-        return tuple(dict.fromkeys([*each, *(warning for one in self.results for warning in _lost(one))]))
+        lost = [warning for one in self.results for warning in _lost(one)]
+        return tuple(dict.fromkeys([*self.left_out, *each, *lost]))
 
     def text(self) -> str:
         """For people, on stderr."""
