@@ -103,11 +103,17 @@ class Remedies:
         self.stretches = self.stiffened = self.slowed = 0
         self.slowest = 1.0
         self.first_line: int | None = None
+        self._is_stiff = False  # the stretch that may go on
 
     def count(self, attempt: _Attempt, line: int) -> None:
-        self.stretches += not attempt.fixed
+        """An attempt that stands; attempts come in order."""
+        if not attempt.fixed:
+            self.stretches += 1
+            self._is_stiff = False
         self.slowed += attempt.slow > 1.0
-        self.stiffened += attempt.level > 0 and attempt.slow == 1.0
+        if attempt.level > 0 and attempt.slow == 1.0 and not self._is_stiff:
+            self.stiffened += 1
+            self._is_stiff = True
         self.slowest = max(self.slowest, attempt.slow)
         if self.first_line is None and (attempt.level or attempt.slow > 1.0):
             self.first_line = line + 1

@@ -251,3 +251,9 @@ def test_a_plotters_errors_are_those_of_all_its_motion():
     done, _ = simulated(START + ZIGZAG.replace(" E1", ""), printer("klipper"), methods=("none",))
     assert done.results[0].figures[0].extruding == 0.0
     assert f"{done.results[0].figures[0].off.contour.rms:.1f}" in done.text()
+
+
+def test_a_method_that_is_not_for_the_model_is_left_out_of_a_comparison():
+    done, _ = simulated(TWO_LAYERS, printer("klipper", RIGID), methods=("none", "mzv", "lpfbs"))
+    assert [one.name for one in done.results] == ["none", "lpfbs"]
+    assert any("mzv is left out" in warning for warning in done.warnings)
