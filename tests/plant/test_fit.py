@@ -77,10 +77,10 @@ def test_intervals_hold_what_rival_shapes_say():
     measured = frf_of(LAGGING, 0.01, np.random.default_rng(4))
     chosen, *others = candidates(measured)
     rival = next(c for c in others if c.shape.pairs == chosen.shape.pairs)
-    alone = told_modes(measured, [chosen, replace(rival, criterion=chosen.criterion + 11)])
+    alone = told_modes(measured, [chosen, replace(rival, akaike=chosen.akaike + 11)])
     by_itself = mode_estimates(chosen, covariance(measured, chosen))
     assert [m.damping.high for m in alone] == pytest.approx([m.damping.high for m in by_itself])
-    as_good = told_modes(measured, [chosen, replace(rival, criterion=chosen.criterion)])
+    as_good = told_modes(measured, [chosen, replace(rival, akaike=chosen.akaike)])
     theirs = mode_estimates(rival, covariance(measured, rival))
     for mode, before in zip(as_good, alone, strict=True):
         assert mode.frequency.value == before.frequency.value
