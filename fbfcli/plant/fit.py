@@ -121,7 +121,12 @@ def deviation(frf: Frf) -> np.ndarray:
 def neighbours_mean(values: np.ndarray, count: int = SMOOTH) -> np.ndarray:
     """Values averaged over some neighbouring lines."""
     kernel = np.ones(min(count, len(values)))
-    return np.convolve(values, kernel, "same") / np.convolve(np.ones(len(values)), kernel, "same")
+    return np.convolve(values, kernel, "same") / lines_within(len(values), count)
+
+
+def lines_within(n: int, count: int) -> np.ndarray:
+    """How many of n lines are among `count` neighbours of each, shape (n,): fewer at the ends."""
+    return np.convolve(np.ones(n), np.ones(min(count, n)), "same")
 
 
 def averaged(shape: Shape, theta: np.ndarray, frf: Frf) -> tuple[np.ndarray, np.ndarray]:

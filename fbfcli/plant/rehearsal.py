@@ -16,7 +16,7 @@ from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from fbfcli.plant.alignment import Pair
 from fbfcli.plant.candidate import Candidate
-from fbfcli.plant.fit import neighbours_mean
+from fbfcli.plant.fit import lines_within, neighbours_mean
 from fbfcli.plant.frf import Frf, h1, noise_error
 from fbfcli.plant.shape import measured_response
 from fbfcli.plant.spectra import TINY, Spectra
@@ -25,7 +25,7 @@ RINGS_S = 8.0  # that a transform leaves a model to come to rest, lest its end r
 SETTLED = 0.1  # standard deviations by which a line may still move when nothing more is taken out
 SURE = 0.0125  # of |H|: random error up to which a line is shown by itself; four times it is 5 %
 NOISE = 6.0  # squared random errors: noise leaves over 2, friction on a measured bed slinger 10
-AVERAGED = range(3, 17, 2)  # lines that are averaged until it is reached
+AVERAGED = range(3, 35, 2)  # lines that are averaged until it is reached; half as many at the ends of the band
 ALIKE = 1.6  # neighbouring lines share bins of their windows: their errors correlate by 0.3
 MOST = 6  # rehearsals; each leaves some tenth of what the one before left
 
@@ -65,17 +65,18 @@ def steadied(response: Frf, candidate: Candidate) -> Frf:
     A sweep gives a line two averages, and random errors of some per cent where the command or the machine is faint. The
     model carries what is narrow, so the rest can be averaged without blunting a peak: prewhitening (Blackman & Tukey
     1958). As few lines as make the random error SURE; lines that are as sure by themselves stay as measured. Where the
-    model leaves over more than noise, nothing is averaged: it would hide what friction and backlash do.
+    model leaves over more than noise, nothing is averaged: it would hide what friction and backlash do. Two averages
+    say little of a line's own random error, its neighbours' do.
     """
     M, _ = measured_response(candidate.shape, candidate.theta, 2j * np.pi * response.frequency)
     known = 1 / np.maximum(neighbours_mean(response.sd**2), TINY)
     if np.mean(np.abs(response.H - M) ** 2 * known) > NOISE:
         return response
-    H, sd = response.H.copy(), response.sd.copy()
+    H, sd = response.H.copy(), np.maximum(response.sd, np.sqrt(1 / known))
     for count in AVERAGED:
         unsure = sd > SURE * np.abs(M)
         total = neighbours_mean(known, count)
         mean = neighbours_mean(known * (response.H - M), count) / total
         H[unsure] = (M + mean)[unsure]
-        sd[unsure] = np.sqrt(ALIKE / (total * np.minimum(count, len(M))))[unsure]
+        sd[unsure] = np.sqrt(ALIKE / (total * lines_within(len(M), count)))[unsure]
     return replace(response, H=H, sd=sd)
