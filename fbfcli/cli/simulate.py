@@ -63,6 +63,9 @@ class Names(click.ParamType):
     help="Also on a machine whose frequencies are off by this in either direction, and its dampings by a half and two.",
 )
 @click.option(
+    "--family", is_flag=True, help="Also on each of the machines that the profile's uncertainty describes or assumes."
+)
+@click.option(
     "--accel",
     type=Numbers(),
     metavar="MM/S2,…",
@@ -104,6 +107,7 @@ def simulate(
     printer: str | None,
     methods: tuple[str, ...] | None,
     mismatch: tuple[float, ...] | None,
+    family: bool,
     accel: tuple[float, ...] | None,
     velocity: float | None,
     rate: int,
@@ -152,6 +156,7 @@ def simulate(
         methods=(methods or BEFORE_AND_AFTER) + tuple(FIRMWARE + name for name in shapers or ()),
         accelerations=accel or (None,),
         mismatches=tuple(one / PERCENT for one in mismatch or ()),
+        family=family,
         rate=float(rate),
         machine=None if plant is None else read_printer(find_file(plant)),
     )

@@ -82,6 +82,11 @@ class Designs:
         share_x, share_y = self._shares(place)
         return self._model(self._axes[0], share_x), self._model(self._axes[1], share_y)
 
+    def families(self, place: int) -> tuple[Members, Members]:
+        """What X and Y may really be at a place, as the settings or the profile say."""
+        x, y = (self._family(axis, share) for axis, share in zip(self._axes, self._shares(place), strict=True))
+        return x, y
+
     def b_a(self, place: int) -> tuple[BA, BA]:
         """Their coefficients."""
         x, y = self.plants(place)

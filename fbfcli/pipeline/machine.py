@@ -7,18 +7,26 @@ from dataclasses import dataclass
 from functools import cache
 
 from fbfcli.pipeline.designs import BA, Designs
-from fbfcli.plant.uncertainty import changed
+from fbfcli.pipeline.settings import Settings
+from fbfcli.plant.model import Plant
+from fbfcli.plant.uncertainty import Members, changed
+from fbfcli.printer import Printer
 
 LESS_DAMPED, MORE_DAMPED = 0.5, 2.0
 
 
 @dataclass(frozen=True)
 class Condition:
-    """How a machine differs from its model: factors on its frequencies and dampings, and words for people."""
+    """How a machine differs from its model, and words for people.
+
+    frequency, damping : factors on those of its modes
+    member             : of the families that its axes may really be of, where in them from 0 to 1; None: the model
+    """
 
     name: str
     frequency: float = 1.0
     damping: float = 1.0
+    member: float | None = None
 
 
 NOMINAL = Condition("as modelled")
@@ -37,11 +45,22 @@ def conditions(mismatches: Sequence[float]) -> tuple[Condition, ...]:
     return (NOMINAL, *off, *dampings)
 
 
+def family(machine: Printer) -> tuple[Condition, ...]:
+    """A condition for each of the machines that the profile's uncertainty describes, or that are assumed."""
+    count = max(len(axis.plants) for axis in Designs(machine, "none", Settings()).families(0))
+    if count == 1:
+        return ()
+    return tuple(Condition(f"family {k + 1}/{count}", member=k / (count - 1)) for k in range(count))
+
+
 def plants_of(machine: Designs, condition: Condition, dt: float) -> Callable[[int], tuple[BA, BA]]:
     """Coefficients of X and Y at each place of a machine under a condition. Raises ModelError."""
 
     @cache
     def at(place: int) -> tuple[BA, BA]:
+        if condition.member is not None:
+            x, y = (_member(axis, condition.member) for axis in machine.families(place))
+            return (x.b, x.a), (y.b, y.a)
         x, y = (
             changed(model, condition.frequency, condition.damping, dt, name)
             for model, name in zip(machine.models(place), "xy", strict=True)
@@ -49,3 +68,7 @@ def plants_of(machine: Designs, condition: Condition, dt: float) -> Callable[[in
         return (x.b, x.a), (y.b, y.a)
 
     return at
+
+
+def _member(axis: Members, where: float) -> Plant:
+    return axis.plants[round(where * (len(axis.plants) - 1))]

@@ -11,7 +11,7 @@ from fbfcli.pipeline.choice import chosen
 from fbfcli.pipeline.compensate import check_ceilings, compensate
 from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.drawing import Drawing
-from fbfcli.pipeline.machine import Condition, conditions
+from fbfcli.pipeline.machine import Condition, conditions, family
 from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.settings import AUTO, Settings
 from fbfcli.pipeline.simulation import Simulated, Simulation
@@ -34,6 +34,7 @@ class Wanted:
     methods       : names of control.design.METHODS, AUTO, or FIRMWARE and one of Klipper's shapers
     accelerations : to plan with, each in turn [mm/s^2]; None: the settings'
     mismatches    : the machine's frequencies are off by these parts too, and its dampings; none: it is as modelled
+    family        : and it is each of the machines that its profile's uncertainty describes
     rate          : samples a second, a multiple of the trajectory's
     machine       : that draws the print; None: the printer that the text is meant for
     stamped       : the file is compensated already: the methods are but a name for executing it as it is written
@@ -42,6 +43,7 @@ class Wanted:
     methods: tuple[str, ...] = (AS_WRITTEN, AUTO)
     accelerations: tuple[float | None, ...] = (None,)
     mismatches: tuple[float, ...] = ()
+    family: bool = False
     rate: float = RATE_HZ
     machine: Printer | None = None
     stamped: bool = False
@@ -69,7 +71,8 @@ def simulate(
     A method that cannot work on the printer's model is left out, unless it is the only one.
     Raises GcodeError (without the file's name), LimitError, ModelError, ProfileError.
     """
-    under = conditions(wanted.mismatches)
+    machine = wanted.machine or printer
+    under = conditions(wanted.mismatches) + (family(machine) if wanted.family else ())
     results, refused, reading = [], dict[str, str](), _Reading(open_text, progress)
     for acceleration in wanted.accelerations:
         how = settings if acceleration is None else replace(settings, acceleration=acceleration)
@@ -89,7 +92,6 @@ def simulate(
     if first is None:
         raise ModelError("; ".join(f"{method}: {why}" for method, why in refused.items()))
     marks = first.marks
-    machine = wanted.machine or printer
     left_out = tuple(f"{method} is left out: {why}" for method, why in refused.items())
     return Simulation(
         printer.name, machine.name, wanted.rate, tuple(marks.features), marks.layers, under, tuple(results), left_out

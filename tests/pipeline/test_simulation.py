@@ -17,7 +17,7 @@ from fbfcli.gcode.scan import chunks
 from fbfcli.pipeline import Settings
 from fbfcli.pipeline.simulate import FIRMWARE, Wanted, simulate
 from fbfcli.pipeline.simulation import Simulation
-from fbfcli.printer import Limits, ModalModel, Mode, Place, Printer
+from fbfcli.printer import Limits, ModalModel, Mode, Place, Printer, Spread
 from fbfcli.verify.passage import Passage
 
 ROUNDING = 1e-9  # mm, of positions up to 1000 mm
@@ -257,3 +257,18 @@ def test_a_method_that_is_not_for_the_model_is_left_out_of_a_comparison():
     done, _ = simulated(TWO_LAYERS, printer("klipper", RIGID), methods=("none", "mzv", "lpfbs"))
     assert [one.name for one in done.results] == ["none", "lpfbs"]
     assert any("mzv is left out" in warning for warning in done.warnings)
+
+
+def test_a_family_is_the_machines_that_its_profile_describes():
+    soft = printer("klipper", SOFT)
+    x, y, z = soft.axes
+    spread = Spread(frequency=(0.9, 1.1))
+    of_five = replace(soft, axes=(replace(x, uncertainty=spread), replace(y, uncertainty=spread), z))
+    done, _ = simulated(TWO_LAYERS, of_five, methods=("none",), family=True, mismatches=(0.1,))
+    names = [condition.name for condition in done.conditions]
+    told = dict(zip(names, (figures.drawn for figures in done.results[0].figures), strict=True))
+    assert told["family 1/5"] == told["frequency -10 %"]
+    assert told["family 3/5"] == told["as modelled"]
+    assert told["family 5/5"] == told["frequency +10 %"]
+    exact = replace(soft, axes=(replace(x, uncertainty=Spread()), replace(y, uncertainty=Spread()), z))
+    assert len(simulated(TWO_LAYERS, exact, methods=("none",), family=True)[0].conditions) == 1
