@@ -157,8 +157,7 @@ def _steps(
 
 def _settings(file: str, how: dict[str, Any], stamped: bool, quiet: bool) -> Settings:
     """As asked for; a file that is compensated already is not compensated again."""
-    from fbfcli.pipeline.settings import AUTO
-    from fbfcli.pipeline.steps import AS_WRITTEN
+    from fbfcli.pipeline.settings import AS_WRITTEN, AUTO
 
     if stamped:
         wanted = {**how, "method": None if how["method"] in (AUTO, AS_WRITTEN) else how["method"]}

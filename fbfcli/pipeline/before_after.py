@@ -7,13 +7,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from fbfcli.pipeline.compensate import Done
 from fbfcli.pipeline.drawing import Drawing
 from fbfcli.pipeline.machine import conditions
-from fbfcli.pipeline.settings import Settings
+from fbfcli.pipeline.settings import AS_WRITTEN, Settings
 from fbfcli.pipeline.simulation import Simulated, Simulation
 from fbfcli.pipeline.watcher import Watcher
 from fbfcli.printer import Printer
 from fbfcli.verify.tally import Stretches
 
-SLICED, WRITTEN = "none", "as written"
+WRITTEN = "as written"
 
 
 class BeforeAfter:
@@ -21,9 +21,9 @@ class BeforeAfter:
 
     def __init__(self, printer: Printer, settings: Settings, watchers: Sequence[Watcher]):
         self._printer, self._settings, self._under = printer, settings, conditions(())
-        name = WRITTEN if settings.method == SLICED else settings.method
-        self._names = SLICED, name
-        self._sliced = Drawing(SLICED, printer, self._under, settings.dt, watchers)
+        name = WRITTEN if settings.method == AS_WRITTEN else settings.method
+        self._names = AS_WRITTEN, name
+        self._sliced = Drawing(AS_WRITTEN, printer, self._under, settings.dt, watchers)
         self._compensated = Drawing(name, printer, self._under, settings.dt, watchers, like=self._sliced)
 
     def passing(self, chunks: Iterable[bytes]) -> Iterator[bytes]:
@@ -38,7 +38,7 @@ class BeforeAfter:
     def simulation(self, done: Done) -> Simulation:
         """The figures of both, once the file is compensated."""
         told, marks = done.summary, self._sliced.marks
-        methods, times = (SLICED, told.method), (told.time_as_sliced, told.time)
+        methods, times = (AS_WRITTEN, told.method), (told.time_as_sliced, told.time)
         results = []
         for name, method, time, drawing in zip(
             self._names, methods, times, (self._sliced, self._compensated), strict=True

@@ -9,7 +9,7 @@ import numpy as np
 
 from fbfcli.pipeline import report_sheets as sheets
 from fbfcli.pipeline.designs import Designs, box_of
-from fbfcli.pipeline.settings import AUTO, Settings
+from fbfcli.pipeline.settings import AS_WRITTEN, AUTO, Settings
 from fbfcli.pipeline.simulation import Simulated, Simulation
 from fbfcli.pipeline.summary import clock
 from fbfcli.plant.model import modes
@@ -26,7 +26,7 @@ UM = 1e3
 
 def labels(simulation: Simulation) -> dict[str, str]:
     """What people call the methods that were asked for: `none` changes nothing, `auto` is the method that was taken."""
-    called = {one.name: AS_SLICED if one.name == "none" else one.name for one in shown(simulation)}
+    called = {one.name: AS_SLICED if one.name == AS_WRITTEN else one.name for one in shown(simulation)}
     taken = {one.name: one.method for one in shown(simulation) if one.name == AUTO and one.method not in called}
     return called | taken
 

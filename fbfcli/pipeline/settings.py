@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 TOLERANCE_MM = 5e-3
 DT_S = 1e-3
 AUTO = "auto"  # the method that pipeline.choice gives
+AS_WRITTEN = "none"  # the method that changes nothing: the firmware's own plan
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.drawing import Drawing
 from fbfcli.pipeline.machine import Condition, conditions, family
 from fbfcli.pipeline.reader import Reader
-from fbfcli.pipeline.settings import AUTO, Settings
+from fbfcli.pipeline.settings import AS_WRITTEN, AUTO, Settings
 from fbfcli.pipeline.simulation import Simulated, Simulation
 from fbfcli.pipeline.timeline import Timeline
 from fbfcli.pipeline.watcher import Watcher
@@ -22,7 +22,6 @@ from fbfcli.verify.firmware import planner_of
 from fbfcli.verify.input_shaping import InputShaping
 from fbfcli.verify.shaper_tuning import MadeFor, best, klippers
 
-AS_WRITTEN = "none"  # the method that changes nothing: the firmware's own plan
 FIRMWARE = "firmware "  # before the name of a shaper that the firmware itself applies
 RATE_HZ = 1000.0
 
@@ -136,10 +135,15 @@ class _Pass:
         if self._in_firmware:
             made = [impulses(shaper, one.frequency, one.damping) for one in self._made_for]
             shaping = InputShaping(made, self._dt)
-        if not (wanted.stamped or self._in_firmware or name == AS_WRITTEN):
+        if not self._is_as_written:
             Designs(printer, chosen(printer, self._how).method, self._how).compensator(0)
         self.drawing = Drawing(name, wanted.machine or printer, under, self._dt, watchers, shaping, first)
         self.marks = self.drawing.marks
+
+    @property
+    def _is_as_written(self) -> bool:
+        """The file is executed as it is."""
+        return self._wanted.stamped or self._in_firmware or self._name == AS_WRITTEN
 
     @property
     def _how(self) -> Settings:
@@ -151,7 +155,7 @@ class _Pass:
     def run(self, text: Iterable[bytes]) -> Simulated:
         """Everything of it."""
         chunks = self.marks.passing(text)
-        if self._wanted.stamped or self._in_firmware or self._name == AS_WRITTEN:
+        if self._is_as_written:
             return self._as_written(chunks)
         return self._compensated(chunks)
 

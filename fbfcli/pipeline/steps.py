@@ -14,13 +14,12 @@ from fbfcli.pipeline.drive import Drive, MotorTold, motors_of
 from fbfcli.pipeline.filament import Filament
 from fbfcli.pipeline.reader import Reader
 from fbfcli.pipeline.rows import told
-from fbfcli.pipeline.settings import Settings
+from fbfcli.pipeline.settings import AS_WRITTEN, Settings
 from fbfcli.pipeline.summary import clock
 from fbfcli.pipeline.timeline import Event, Timeline
 from fbfcli.printer import Printer
 from fbfcli.steps.stream import Piece
 
-AS_WRITTEN = "none"  # the method that changes nothing: the firmware's own plan
 ROWS = 4096  # samples turned into steps at a time: bounds the memory
 NO_E = "E makes no steps: the profile has no steps_per_mm under [axis.e]"
 
