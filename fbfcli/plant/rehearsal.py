@@ -23,9 +23,9 @@ from fbfcli.plant.spectra import TINY, Spectra
 
 RINGS_S = 8.0  # that a transform leaves a model to come to rest, lest its end ring into its beginning
 SETTLED = 0.1  # standard deviations by which a line may still move when nothing more is taken out
-SURE = 0.0125  # of |H|: random error up to which a line is shown by itself; four times it is 5 %
+SURE = 0.01  # of |H|: random error up to which a line is shown by itself; five times it is 5 %
 NOISE = 6.0  # squared random errors: noise leaves over 2, friction on a measured bed slinger 10
-AVERAGED = range(3, 35, 2)  # lines that are averaged until it is reached; half as many at the ends of the band
+AVERAGED = range(3, 71, 2)  # lines that are averaged until it is reached; half as many at the ends of the band
 ALIKE = 1.6  # neighbouring lines share bins of their windows: their errors correlate by 0.3
 MOST = 6  # rehearsals; each leaves some tenth of what the one before left
 
