@@ -12,6 +12,7 @@ from fbfcli.cli.options import Number, json_option, quiet_option
 from fbfcli.cli.place_option import At
 from fbfcli.cli.telling import tell_json
 from fbfcli.errors import FbfError, RecordingError
+from fbfcli.units import UM_PER_MM
 
 if TYPE_CHECKING:
     from fbfcli.pipeline.identified import Identified
@@ -21,7 +22,6 @@ AVERAGING = ("short-time", "welch")  # as plant.spectra and plant.frf have them,
 ESTIMATORS = ("h1", "h2", "hv")
 UNITS = ("mm/s^2", "m/s^2", "g", "mg")
 PICTURES = ("png", "svg", "pdf")
-UM_PER_MM = 1e3
 
 
 @click.command()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from fbfcli.cli.options import Number, Numbers
+from fbfcli.units import UM_PER_MM
 
 if TYPE_CHECKING:
     from fbfcli.pipeline import Settings
@@ -56,7 +57,6 @@ OPTION_NAMES = (
     ("settle", "lead"),
     ("settle", "tail"),
 )  # as control.design has them
-UM_PER_MM = 1e3
 MS_PER_S = 1e3
 PERCENT = 100.0
 

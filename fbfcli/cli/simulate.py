@@ -11,10 +11,11 @@ import click
 
 from fbfcli.cli.files import DASH, check_targets, one_stream, rereading, writing
 from fbfcli.cli.lookup import find_file, read_printer
-from fbfcli.cli.method_options import METHODS, PERCENT, UM_PER_MM
+from fbfcli.cli.method_options import METHODS, PERCENT
 from fbfcli.cli.options import Number, Numbers, json_option, printer_option, quiet_option
 from fbfcli.cli.pictures import Pictures, png_option, report_option
 from fbfcli.cli.telling import fraction_bar, named, tell_json
+from fbfcli.units import UM_PER_MM
 
 if TYPE_CHECKING:
     from fbfcli.pipeline.settings import Settings

@@ -55,10 +55,16 @@ class Planner:
             self._previous, self._w = moves[n - 1 : n], float(plan.w_end[-1])
         if n < len(moves):
             self._pending = moves[n:], tag[n:]
-        cuts = np.searchsorted(np.cumsum(timing.duration), np.arange(PART_S, timing.duration.sum(), PART_S)) + 1
-        cuts = np.unique(np.concatenate([[0], np.minimum(cuts, n), [n]]))
-        for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
-            yield Part(moves[a:b], tag[a:b], timing[a:b], moves[b : b + 1] if b < len(moves) else None)
+        yield from in_parts(moves, tag, timing)
+
+
+def in_parts(moves: Moves, tag: np.ndarray, timing: Profile) -> Iterator[Part]:
+    """Moves, the first of which are planned, in pieces of PART_S."""
+    n = len(timing)
+    cuts = np.searchsorted(np.cumsum(timing.duration), np.arange(PART_S, timing.duration.sum(), PART_S)) + 1
+    cuts = np.unique(np.concatenate([[0], np.minimum(cuts, n), [n]]))
+    for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
+        yield Part(moves[a:b], tag[a:b], timing[a:b], moves[b : b + 1] if b < len(moves) else None)
 
 
 def divided(moves: Moves, tag: np.ndarray) -> tuple[Moves, np.ndarray]:

@@ -20,7 +20,7 @@ from fbfcli.errors import ProfileError
 from fbfcli.motion.moves import E
 from fbfcli.pipeline.choice import FAMILY_METHODS, uncertainty_of
 from fbfcli.pipeline.settings import Settings
-from fbfcli.plant.model import Plant, Vibration, cut, impulse_response, modes, plant_of
+from fbfcli.plant.model import BA, Plant, Vibration, cut, impulse_response, modes, plant_of
 from fbfcli.plant.places import between, shares
 from fbfcli.plant.uncertainty import Members, members
 from fbfcli.printer import Axis, Model, Printer
@@ -30,7 +30,6 @@ WINDOWED = ("lpfbs", "robust")  # keep little of each window where X and Y chang
 EVERY = 100  # samples: a tenth of a second at 1 ms, 30 mm at 300 mm/s
 
 Shares = tuple[tuple[float, ...], ...]
-BA = tuple[np.ndarray, np.ndarray]
 
 
 class Designs:

@@ -12,7 +12,7 @@ from fbfcli.motion.moves import E, Z
 from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.executions import Executions
 from fbfcli.pipeline.machine import Condition, plants_of
-from fbfcli.pipeline.settings import Settings
+from fbfcli.pipeline.settings import AS_WRITTEN, Settings
 from fbfcli.pipeline.timeline import Track
 from fbfcli.pipeline.watcher import Watcher
 from fbfcli.plant.coupling import coupling
@@ -46,7 +46,7 @@ class Drawing:
         shaping: InputShaping | None = None,
         like: Drawing | None = None,
     ):
-        designs = Designs(machine, "none", Settings(dt=dt))
+        designs = Designs(machine, AS_WRITTEN, Settings(dt=dt))
         self._name, self._watchers = name, watchers
         self.marks = Marks()
         self._executions = Executions(self.marks, designs, dt, shaping)

@@ -16,8 +16,8 @@ from fbfcli.plant.rational import Rational, zeros
 from fbfcli.plant.shaper_score import Scored
 from fbfcli.plant.spread import as_ranges
 from fbfcli.printer import Family, Model, Spread
+from fbfcli.units import UM_PER_MM
 
-UM_PER_MM = 1e3
 OSCILLATING = 0.7  # damping above which a pole pair is told as a lag, not as a mode
 CERTAIN = 0.8  # of the model's own figure: worse ones are told beside it
 WORTH = 1.5  # times: where compensation is certain to gain less, the model says little, and that is told

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from fbfcli.pipeline.designs import BA, Designs
-from fbfcli.pipeline.settings import Settings
-from fbfcli.plant.model import Plant
+from fbfcli.pipeline.designs import Designs
+from fbfcli.pipeline.settings import AS_WRITTEN, Settings
+from fbfcli.plant.model import BA, Plant
 from fbfcli.plant.uncertainty import Members, changed
 from fbfcli.printer import Printer
 
@@ -47,7 +47,7 @@ def conditions(mismatches: Sequence[float]) -> tuple[Condition, ...]:
 
 def family(machine: Printer) -> tuple[Condition, ...]:
     """A condition for each of the machines that the profile's uncertainty describes, or that are assumed."""
-    count = max(len(axis.plants) for axis in Designs(machine, "none", Settings()).families(0))
+    count = max(len(axis.plants) for axis in Designs(machine, AS_WRITTEN, Settings()).families(0))
     if count == 1:
         return ()
     return tuple(Condition(f"family {k + 1}/{count}", member=k / (count - 1)) for k in range(count))

@@ -14,6 +14,7 @@ from fbfcli.pipeline.simulation import Simulated, Simulation
 from fbfcli.pipeline.summary import clock
 from fbfcli.plant.model import modes
 from fbfcli.printer import Printer
+from fbfcli.units import UM_PER_MM
 from fbfcli.verify.account import Three
 from fbfcli.verify.figures import before_after, png, worst_seen
 from fbfcli.verify.report import html
@@ -21,7 +22,6 @@ from fbfcli.verify.subject import Card, Ceilings, Face, Sheet, Spans, Subject
 from fbfcli.verify.traces import Kept
 
 AS_SLICED = "as sliced"
-UM = 1e3
 
 
 def labels(simulation: Simulation) -> dict[str, str]:
@@ -59,7 +59,7 @@ def subject(file: str, simulation: Simulation, printer: Printer, machine: Printe
     """Everything on the page that is not a picture."""
     called = labels(simulation)
     named = [(called[one.name], one) for one in shown(simulation)]
-    designs, box = Designs(machine, "none", Settings(dt=1.0 / simulation.rate)), box_of(printer)
+    designs, box = Designs(machine, AS_WRITTEN, Settings(dt=1.0 / simulation.rate)), box_of(printer)
     return Subject(
         title=f"{file}: where the nozzle goes",
         lead=_lead(named, printer, machine),
@@ -141,7 +141,8 @@ def _faces(named: sheets.Named, features: Sequence[str]) -> tuple[Face, ...]:
             if other.axis == wall.axis and abs(other.line - wall.line) <= 1  # a sample of it may be of the next line
         }
         where = f"line {wall.line + 1}, layer {wall.layer + 1}, {features[wall.feature]}, {'XY'[wall.axis]} swings"
-        found.append(Face(where, {k: v.along for k, v in same.items()}, {k: UM * v.off for k, v in same.items()}))
+        along, off = ({k: getattr(v, what) for k, v in same.items()} for what in ("along", "off"))
+        found.append(Face(where, along, {k: UM_PER_MM * each for k, each in off.items()}))
     return tuple(found)
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fbfcli.errors import ModelError
-from fbfcli.plant.model import MARGINAL, coefficients
+from fbfcli.plant.model import BA, MARGINAL, coefficients
 from fbfcli.printer import ModalModel, Printer, TransferFunction
-
-BA = tuple[np.ndarray, np.ndarray]
 
 
 def coupling(printer: Printer, dt: float) -> tuple[BA | None, BA | None]:

@@ -23,7 +23,7 @@ LONGEST_S, MAX_SAMPLES = 20.0, 20_000  # of an impulse response, the larger of b
 TOLERANCE = 1e-5  # of the slowest envelope at the end of an impulse response: 11.5 time constants
 TAIL = 0.01  # of an impulse response that may be cut off
 RANK = 1e-3  # singular values of a Hankel matrix under this part of the largest are no mode
-Part = tuple[np.ndarray, np.ndarray]
+BA = tuple[np.ndarray, np.ndarray]
 HANKEL = 300  # rows of that matrix: 0.6 s of response at 1 ms tell modes apart from 2 Hz on
 
 
@@ -104,13 +104,13 @@ def modes(plant: Plant) -> tuple[Vibration, ...]:
     return tuple(sorted(found, key=lambda mode: -mode.weight))
 
 
-def _in_s(mode: Mode) -> Part:
+def _in_s(mode: Mode) -> BA:
     """Numerator and denominator of one mode."""
     w = 2 * np.pi * mode.frequency
     return np.array([mode.gain * w**2]), np.array([1.0, 2 * mode.damping * w, w**2])
 
 
-def first_order_hold(parts: Iterable[Part], dt: float) -> tuple[np.ndarray, np.ndarray]:
+def first_order_hold(parts: Iterable[BA], dt: float) -> tuple[np.ndarray, np.ndarray]:
     """b, a of a sum of parts whose command is linear between samples dt [s] apart, as a planner's command is.
 
     parts : numerator and denominator in s of each, highest power first; their sum is what is brought to dt

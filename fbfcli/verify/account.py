@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fbfcli.units import UM_PER_MM
 from fbfcli.verify.bead import BeadFigures, Beads, BeadTally
 from fbfcli.verify.contour_error import Errors, ErrorTally
 from fbfcli.verify.corner_tally import CornerFigures, CornerTally, WorstCorner
@@ -17,7 +18,6 @@ from fbfcli.verify.ringing import Corner, Ringing
 from fbfcli.verify.wall import Wall, Walls
 
 KINDS = ("tracking", "contour", "along")
-UM = 1e3
 
 
 @dataclass(frozen=True)
@@ -161,6 +161,6 @@ def _three(tallies: list[ErrorTally]) -> Three:
 
 
 def _by_group(kinds: list[LogBins]) -> dict[int, Three]:
-    columns = [np.stack([bins.rms, bins.quantile(0.99), bins.max], axis=1) * UM for bins in kinds]
+    columns = [np.stack([bins.rms, bins.quantile(0.99), bins.max], axis=1) * UM_PER_MM for bins in kinds]
     printed = np.flatnonzero(kinds[0].count)
     return {k: Three(*(Errors(*column[k].tolist()) for column in columns)) for k in printed.tolist()}

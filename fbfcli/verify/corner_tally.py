@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fbfcli.units import UM_PER_MM
 from fbfcli.verify.log_bins import LogBins
 from fbfcli.verify.ringing import Corner
 
 WORST = 20  # corners that are told of
 KINDS = ("rounding", "overshoot", "amplitude", "wavelength")
-UM = 1e3
 
 
 @dataclass(frozen=True)
@@ -106,9 +106,9 @@ class CornerTally:
             x=x,
             y=y,
             turn=float(np.degrees(found.turn[k])),
-            rounding=UM * float(found.rounding[k]),
-            overshoot=UM * float(found.overshoot[k]),
-            amplitude=UM * float(found.amplitude[k]),
+            rounding=UM_PER_MM * float(found.rounding[k]),
+            overshoot=UM_PER_MM * float(found.overshoot[k]),
+            amplitude=UM_PER_MM * float(found.amplitude[k]),
             wavelength=_known(found.wavelength[k]),
             frequency=_known(found.frequency[k]),
         )
@@ -120,7 +120,7 @@ def _known(value: np.floating) -> float | None:
 
 def _figures(kinds: list[LogBins], k: int) -> CornerFigures:
     """Of group k of bins of each of KINDS."""
-    units = (UM, UM, UM, 1.0)
+    units = (UM_PER_MM, UM_PER_MM, UM_PER_MM, 1.0)
     spreads = [_spread(bins, k, unit) for bins, unit in zip(kinds, units, strict=True)]
     count, rings = (int(bins.count[k]) if k < len(bins.count) else 0 for bins in (kinds[0], kinds[3]))
     return CornerFigures(count, rings, *spreads)

@@ -16,15 +16,14 @@ its ring, and waits 10 ms for more before it begins to move.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from fbfcli.motion.junctions import MARLIN_MIN_W
 from fbfcli.motion.kinematics import Kinematics, kinematics_of
 from fbfcli.motion.moves import Moves
-from fbfcli.motion.planner import PART_S, Part, Planner, divided, joined
-from fbfcli.motion.profile import Profile
+from fbfcli.motion.planner import Part, Planner, divided, in_parts, joined
 from fbfcli.printer import Printer
 from fbfcli.verify.block_queue import BlockQueue, Queue
 from fbfcli.verify.merged_moves import Merging
@@ -68,12 +67,6 @@ def _motors(printer: Printer) -> Kinematics | None:
     return kinematics_of(printer) if printer.kinematics == "corexy" else None
 
 
-@dataclass(frozen=True)
-class _Waiting:
-    moves: Moves
-    tag: np.ndarray
-
-
 class QueuePlanner:
     """The planner of one file, fed with its moves; takes the place of `motion.planner.Planner`.
 
@@ -83,7 +76,7 @@ class QueuePlanner:
     def __init__(self, firmware: str, queue: Queue, merging: Merging | None):
         self._merging = merging
         self._blocks = BlockQueue(firmware, queue)
-        self._waiting: _Waiting | None = None
+        self._waiting: tuple[Moves, np.ndarray] | None = None
 
     def feed(self, moves: Moves, tag: np.ndarray, last: bool) -> Iterator[Part]:
         """Parts that are final with these moves; `last`: no more will come."""
@@ -91,24 +84,13 @@ class QueuePlanner:
             moves, tag = self._merging.merged(moves, tag)
         moves, tag = divided(moves, tag)
         if self._waiting is not None:
-            waiting = self._waiting
-            moves, tag = joined(waiting.moves, moves), np.concatenate([waiting.tag, tag])
+            moves, tag = joined(self._waiting[0], moves), np.concatenate([self._waiting[1], tag])
         self._waiting = None
         if not len(moves):
             return
         timing, speed = self._blocks.executed(moves, last)
         n = len(timing)
         if n < len(moves):
-            self._waiting = _Waiting(moves[n:], tag[n:])
+            self._waiting = moves[n:], tag[n:]
         stretched = replace(moves, speed=np.concatenate([speed, moves.speed[n:]]))
-        yield from _parts(stretched, tag, timing)
-
-
-def _parts(moves: Moves, tag: np.ndarray, timing: Profile) -> Iterator[Part]:
-    """Moves that are planned, in pieces of PART_S."""
-    n = len(timing)
-    end = np.cumsum(timing.duration)
-    cuts = np.searchsorted(end, np.arange(PART_S, end[-1], PART_S)) + 1 if n else np.zeros(0, dtype=np.int64)
-    cuts = np.unique(np.concatenate([[0], np.minimum(cuts, n), [n]]))
-    for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
-        yield Part(moves[a:b], tag[a:b], timing[a:b], moves[b : b + 1] if b < len(moves) else None)
+        yield from in_parts(stretched, tag, timing)

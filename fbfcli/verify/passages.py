@@ -7,12 +7,13 @@ from dataclasses import fields
 
 import numpy as np
 
+from fbfcli.plant.model import BA
 from fbfcli.verify.contour_error import contour_error, reach
 from fbfcli.verify.execution import Execution
 from fbfcli.verify.heading import Heading, along_and_across
 from fbfcli.verify.held_back import HeldBack, Ready
 from fbfcli.verify.passage import Passage
-from fbfcli.verify.simulate import BA, Coupling, Nozzle
+from fbfcli.verify.simulate import Coupling, Nozzle
 
 NOT_ROWS = ("dt", "begin", "rest", "goes_on")  # of an execution
 NO_BEGIN = -1  # in the column that says how long a rest there is before a stretch

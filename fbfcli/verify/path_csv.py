@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from fbfcli.units import UM_PER_MM
 from fbfcli.verify.passage import Passage
 
 COLUMNS = (
@@ -13,7 +14,6 @@ COLUMNS = (
     "tracking_um,contour_um"
 )
 ROW = "%s,%.6f,%d,%d,%s,%d,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.3f,%.3f\n"
-UM = 1e3
 
 
 class PathCsv:
@@ -43,8 +43,8 @@ class PathCsv:
             names[here.feature].tolist(),
             here.extruding.tolist(),
             *(column.tolist() for path in (here.desired, here.motion[:, :2], passage.nozzle) for column in path.T),
-            (UM * passage.tracking).tolist(),
-            (UM * passage.contour).tolist(),
+            (UM_PER_MM * passage.tracking).tolist(),
+            (UM_PER_MM * passage.contour).tolist(),
         )
         self._write("".join(map(ROW.__mod__, zip(*columns, strict=True))).encode())
 

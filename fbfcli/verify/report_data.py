@@ -12,13 +12,14 @@ import numpy as np
 from scipy.signal import freqz
 
 from fbfcli.plant.frf import Frf, trusted
+from fbfcli.plant.model import BA
 from fbfcli.units import UM_PER_MM
 from fbfcli.verify import palette
 from fbfcli.verify.close_ups import CloseUp, Window
 from fbfcli.verify.curves import HIGHEST_HZ, Method
 from fbfcli.verify.envelope import Envelope
 from fbfcli.verify.layer_paths import Layer, Path
-from fbfcli.verify.subject import BA, Face, Subject
+from fbfcli.verify.subject import Face, Subject
 from fbfcli.verify.traces import Kept
 
 LINES = 300  # of a plant's response

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fbfcli.units import UM_PER_MM
 from fbfcli.verify.contour_error import reach
 from fbfcli.verify.corners import Corners, corners
 from fbfcli.verify.held_back import HeldBack, Ready
@@ -20,7 +21,6 @@ WAVES = 8  # half waves that are looked at
 LEAST_UM = 1.0  # a smaller swing is no ringing: its wavelength means nothing
 LOWEST = 5.0  # Hz: what changes sign more slowly is no ringing either
 AT_ONCE = 1 << 20  # samples of windows that are looked at together
-UM = 1e3
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def _waves(across: np.ndarray, way: np.ndarray, dt: float) -> dict[str, np.ndarr
     halves = many - 1
     with np.errstate(divide="ignore", invalid="ignore"):
         frequency = halves / 2.0 / (t[1] - t[0])
-        rings = (halves >= 2) & (UM * amplitude > LEAST_UM) & (frequency > LOWEST)
+        rings = (halves >= 2) & (UM_PER_MM * amplitude > LEAST_UM) & (frequency > LOWEST)
         return {
             "amplitude": amplitude,
             "decay": np.where(rings, peaks[:, 1] / peaks[:, 0], np.nan),

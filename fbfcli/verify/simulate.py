@@ -7,11 +7,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.signal import lfilter, oaconvolve
 
+from fbfcli.plant.model import BA
+
 LONG = 64  # coefficients of a finite response from which transforms are faster
 REST_SAMPLES = 500  # a longer rest between stretches changes nothing: the vibration has gone
 MEMORY = 1000  # samples that a plant has heard when the print comes to the place where it holds
 
-BA = tuple[np.ndarray, np.ndarray]
 Coupling = Sequence[BA | None]
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-BA = tuple[np.ndarray, np.ndarray]
+from fbfcli.plant.model import BA
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,10 @@ import numpy as np
 from fbfcli.motion.polyline import Polyline
 from fbfcli.motion.profile import Profile
 from fbfcli.motion.sample import sample
+from fbfcli.plant.model import BA
 from fbfcli.verify.contour_error import ErrorTally, contour_error, reach
 from fbfcli.verify.held_back import HeldBack, Ready
-from fbfcli.verify.simulate import BA, Coupling, Nozzle
+from fbfcli.verify.simulate import Coupling, Nozzle
 
 STRIDE = 4  # samples between those whose contour error is measured
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fbfcli.units import UM_PER_MM
 from fbfcli.verify.heading import Heading
 from fbfcli.verify.held_back import Rows
 from fbfcli.verify.passage import Passage
@@ -17,7 +18,6 @@ SAME = 2.0  # mm: ends of a line that another method samples at other points of 
 BEND = 1e-3  # rad: directions of one straight line differ by no more
 SAMPLING_LENGTHS = 5  # in which Rz is taken
 LONGEST_S = 20.0  # of one line; a longer one is looked at as far as that
-UM = 1e3
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Wall:
     @property
     def roughness(self) -> dict[str, float]:
         """Ra, Rq, Rz about the mean line [um]; Rz is the mean height of SAMPLING_LENGTHS parts."""
-        z = UM * (self.off - np.polyval(np.polyfit(self.along, self.off, 1), self.along))
+        z = UM_PER_MM * (self.off - np.polyval(np.polyfit(self.along, self.off, 1), self.along))
         parts = np.array_split(z, SAMPLING_LENGTHS)
         return {
             "Ra": float(np.abs(z).mean()),
