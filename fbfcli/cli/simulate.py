@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
@@ -138,8 +137,6 @@ def simulate(
     """
     if rate % TRAJECTORY_HZ:
         raise click.UsageError(f"--rate takes whole thousands, as 1000 or 4000: {rate} is not")
-    if file == DASH and sys.stdin.isatty():
-        raise click.UsageError("no FILE, and standard input is a terminal")
     one_stream(csv_to, json_to, report, png)
     check_targets([file], csv_to, json_to, report, png)
     from fbfcli.pipeline.settings import Settings

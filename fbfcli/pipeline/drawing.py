@@ -54,11 +54,11 @@ class Drawing:
         others: Sequence[Account | None] = like._accounts if like else [None] * len(under)
         self._accounts: list[Account] = [Account(self.marks.features, other) for other in others]
         self._motors = Motors(machine, dt, watch=self._carry)
-        for watcher in watchers:
-            watcher.begin(name, self.marks.features)
+        self.begun = False  # there was something to draw, or all of it is drawn
 
     def stretches(self, part: Stretches) -> None:
         """More of a compensated file."""
+        self._begin()
         execution = self._executions.of_stretches(part)
         for watcher in self._watchers:
             watcher.segments(self._name, self._executions.starts)
@@ -79,6 +79,7 @@ class Drawing:
 
     def finish(self) -> tuple[tuple[Accounted, ...], MotorsTold]:
         """Errors under each condition, and what the motors did; no more will come."""
+        self._begin()
         execution = self._executions.finish()
         if execution is not None:
             self._draw(execution)
@@ -87,7 +88,15 @@ class Drawing:
             self._accounts[i].finish()
         return tuple(account.figures() for account in self._accounts), self._motors.figures()
 
+    def _begin(self) -> None:
+        """Tell the watchers, once: a method that turns out not to be for the model never begins."""
+        if not self.begun:
+            self.begun = True
+            for watcher in self._watchers:
+                watcher.begin(self._name, self.marks.features)
+
     def _draw(self, execution: Execution) -> None:
+        self._begin()
         for i, passages in enumerate(self._passages):
             self._count(i, passages.add(execution))
 

@@ -57,7 +57,7 @@ class Reader:
         self.count = 0  # lines
         self.moves = 0
         self.left_alone = 0  # moves of X or Y that could not be compensated
-        self.time_as_sliced = 0.0  # s, as the firmware would print the file unchanged
+        self.time_as_sliced = 0.0  # s, as the firmware would print the file unchanged; not told where it does
         self.warnings: list[str] = []
 
     def portions(self, chunks: Iterable[bytes], progress: Callable[[int], None]) -> Iterator[Portion]:
@@ -127,6 +127,8 @@ class Reader:
 
     def _tell_time(self, moves: Moves, last: bool) -> None:
         tag = np.zeros(len(moves), dtype=bool)
+        if self._as_written:
+            return
         self.time_as_sliced += sum(
             float(part.profile.duration.sum()) for part in self._as_sliced.feed(moves, tag, last)
         )

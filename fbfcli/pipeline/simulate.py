@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from fbfcli.control.shapers import MAX_DAMPING, impulses
 from fbfcli.errors import ModelError
-from fbfcli.pipeline.choice import chosen
 from fbfcli.pipeline.compensate import check_ceilings, compensate
 from fbfcli.pipeline.designs import Designs
 from fbfcli.pipeline.drawing import Drawing
@@ -79,15 +78,16 @@ def simulate(
         first: Drawing | None = None
         for method in wanted.methods:
             seeing = watchers if acceleration == wanted.accelerations[0] else ()
+            one: _Pass | None = None
             try:
                 one = _Pass(method, printer, how, wanted, under, seeing, first)
+                results.append(one.run(reading))
             except ModelError as why:
-                if len(wanted.methods) == 1:
+                if len(wanted.methods) == 1 or (one and one.drawing.begun):
                     raise
                 refused[method] = str(why)
                 continue
             first = first or one.drawing
-            results.append(one.run(reading))
     if first is None:
         raise ModelError("; ".join(f"{method}: {why}" for method, why in refused.items()))
     marks = first.marks
@@ -112,7 +112,9 @@ class _Reading:
 
 
 class _Pass:
-    """One pass over the file: one method, at one acceleration. Raises ModelError: the method is not for the model."""
+    """One pass over the file: one method, at one acceleration. Raises ModelError, before anything is drawn where the
+    method is not for the model.
+    """
 
     def __init__(
         self,
@@ -135,8 +137,6 @@ class _Pass:
         if self._in_firmware:
             made = [impulses(shaper, one.frequency, one.damping) for one in self._made_for]
             shaping = InputShaping(made, self._dt)
-        if not self._is_as_written:
-            Designs(printer, chosen(printer, self._how).method, self._how).compensator(0)
         self.drawing = Drawing(name, wanted.machine or printer, under, self._dt, watchers, shaping, first)
         self.marks = self.drawing.marks
 
