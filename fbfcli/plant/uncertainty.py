@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fbfcli.errors import ModelError
 from fbfcli.plant.model import Plant, impulse_response, mean_response, plant_of
 from fbfcli.printer import (
     Family,
@@ -74,39 +73,45 @@ def _shares(n: int) -> np.ndarray:
 def changed(model: Model, q: float, d: float, dt: float, axis: str) -> Plant:
     """The plant of a model whose frequencies are q times, and dampings d times, what it says.
 
-    Modes are changed themselves; of anything else, time is resampled, which keeps its zeros and lag in step with its
-    poles. Raises ModelError.
+    What oscillates is changed: modes, and a transfer function's oscillating poles and zeros; its real ones, a drive's
+    filter or a sensor's, have no part in a belt's stiffness or a bed's mass. Of a response, where these cannot be told
+    apart, time is resampled. Raises ModelError.
     """
     if isinstance(model, ModalModel):
         modes = (Mode(q * m.frequency, min(d * m.damping, MOST_DAMPING), m.gain) for m in model.modes)
         return plant_of(ModalModel(tuple(modes)), dt, axis)
-    if q == 1.0:
-        plant = plant_of(model, dt, axis)
-    elif isinstance(model, FrequencyResponse):
-        plant = plant_of(replace(model, frequency=tuple(q * f for f in model.frequency)), dt, axis)
-    else:
-        plant = _faster(model, q, dt, axis)
-    return damped(plant, d)
+    if isinstance(model, TransferFunction):
+        return tuned(plant_of(model, dt, axis), q, d)
+    if q != 1.0 and isinstance(model, FrequencyResponse):
+        model = replace(model, frequency=tuple(q * f for f in model.frequency))
+    elif q != 1.0 and isinstance(model, ImpulseResponse):
+        model = replace(model, dt=model.dt / q)
+    return tuned(plant_of(model, dt, axis), 1.0, d)
 
 
-def damped(plant: Plant, d: float) -> Plant:
-    """The plant with the damping ratio of every oscillating pole d times what it is; zeros and DC gain stay."""
-    if d == 1.0 or len(plant.a) == 1:
+def tuned(plant: Plant, q: float, d: float) -> Plant:
+    """Oscillating poles and zeros at q times their frequency, the poles' damping ratios d times what they are.
+
+    What does not oscillate stays, and so does the DC gain; of a plant without poles, nothing changes.
+    """
+    if (q, d) == (1.0, 1.0) or len(plant.a) == 1:
         return plant
-    p = np.roots(plant.a).astype(complex)
-    swings = np.abs(p.imag) > 1e-9
-    s = np.log(p[swings])
+    a = np.real(np.poly(_turned(np.roots(plant.a), q, d)))
+    b = plant.b
+    if q != 1.0:
+        first = int(np.flatnonzero(b)[0])  # samples of delay
+        b = np.concatenate([np.zeros(first), np.atleast_1d(np.real(np.poly(_turned(np.roots(b), q, 1.0))))])
+    return Plant(b * (a.sum() / b.sum()), a, plant.dt)
+
+
+def _turned(roots: np.ndarray, q: float, d: float) -> np.ndarray:
+    """Oscillating roots in z at q times their frequency and d times their damping ratio, the others as they are."""
+    z = roots.astype(complex)
+    swings = np.abs(z.imag) > 1e-9
+    swings &= q * np.abs(np.angle(z)) < np.pi  # the others would come out at another frequency
+    s = np.log(z[swings])
     w = np.abs(s)
-    zeta = np.minimum(-d * s.real / w, MOST_DAMPING)
-    p[swings] = np.exp(w * (-zeta + 1j * np.sign(s.imag) * np.sqrt(1 - zeta**2)))
-    a = np.real(np.poly(p))
-    return Plant(plant.b * (a.sum() / plant.b.sum()), a, plant.dt)
-
-
-def _faster(model: TransferFunction | ImpulseResponse, q: float, dt: float, axis: str) -> Plant:
-    """h(t) becomes q h(q t): the same numbers at a period q times shorter."""
-    try:
-        return plant_of(replace(model, dt=model.dt / q), dt, axis)
-    except ModelError:  # a transfer function that cannot be brought to another period still has a response that can
-        h = impulse_response(plant_of(model, dt, axis))
-        return plant_of(ImpulseResponse(tuple(h.tolist()), dt / q), dt, axis)
+    own = -s.real / w  # negative of a zero outside the unit circle
+    zeta = np.minimum(d * own, np.maximum(own, MOST_DAMPING))
+    z[swings] = np.exp(q * w * (-zeta + 1j * np.sign(s.imag) * np.sqrt(1 - zeta**2)))
+    return z

@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from scipy.signal import freqz
 
 from fbfcli.errors import ModelError
-from fbfcli.plant.model import impulse_response, modes, plant_of
-from fbfcli.plant.uncertainty import ASSUMED, Members, changed, damped, members
+from fbfcli.plant.model import Plant, impulse_response, modes, plant_of
+from fbfcli.plant.uncertainty import ASSUMED, Members, changed, members, tuned
 from fbfcli.printer import Family, FrequencyResponse, ImpulseResponse, ModalModel, Mode, Spread, TransferFunction
 from tests.control.control_cases import MODELS
 
 DT = 1e-3
 ONE = ModalModel((Mode(35.0, 0.05),))
-DELAYED = TransferFunction((0.0, 0.0, 0.0, 0.0, 0.1, 0.1), (1.0, -1.6, 0.8), DT)
+TWO = ModalModel((Mode(45.0, 0.05, 0.8), Mode(85.0, 0.05, 0.2)))
 each_model = pytest.mark.parametrize("name", MODELS)
 factors = st.floats(0.7, 1.4)
 
@@ -32,21 +32,55 @@ def test_a_mode_moves_by_its_factors(q, d, f, zeta):
     assert (mode.frequency, mode.damping) == pytest.approx((q * f, d * zeta), rel=1e-6)
 
 
-@each_model
 @given(q=factors)
-def test_any_model_is_the_same_response_along_a_longer_axis(name, q):
+def test_modes_are_the_same_response_along_a_longer_axis(q):
     f = np.linspace(2.0, 60.0, 30)
-    model = MODELS[name]
-    G, G_q = plant_of(model, DT, "x"), changed(model, q, 1.0, DT, "x")
+    G, G_q = plant_of(TWO, DT, "x"), changed(TWO, q, 1.0, DT, "x")
     # a discrete plant's samples and holds stay at dt: what they add to the lag grows with frequency and step
     assert np.abs(np.abs(response(G_q, q * f) / response(G, f)) - 1).max() < 0.04
     assert G_q.b.sum() / G_q.a.sum() == pytest.approx(1.0, abs=1e-9)
 
 
-@pytest.mark.parametrize("model", [
-    DELAYED, ImpulseResponse(tuple(impulse_response(plant_of(ONE, DT, "x")).tolist()), DT)])  # fmt: skip
+@each_model
+@given(q=factors, d=st.floats(0.5, 2.0))
+def test_resonances_move_and_what_does_not_oscillate_stays(name, q, d):
+    plant = plant_of(MODELS[name], DT, "x")
+    moved = tuned(plant, q, d)
+    for of in ("a", "b"):
+        before, after = (np.roots(getattr(each, of)) for each in (plant, moved))
+        real = [np.sort(roots[np.abs(roots.imag) < 1e-9].real) for roots in (before, after)]
+        np.testing.assert_allclose(*real, rtol=1e-6)
+        swinging = [np.sort(np.abs(np.log(roots[roots.imag > 1e-9]))) for roots in (before, after)]
+        np.testing.assert_allclose(swinging[1], q * swinging[0], rtol=1e-6)
+    assert (np.flatnonzero(moved.b)[0], len(moved.b)) == (np.flatnonzero(plant.b)[0], len(plant.b))
+    assert moved.b.sum() / moved.a.sum() == pytest.approx(1.0)
+
+
+def test_moving_to_and_fro_changes_nothing():
+    plant = plant_of(MODELS["taz6"], DT, "x")
+    back = tuned(tuned(plant, 0.8, 1.5), 1 / 0.8, 1 / 1.5)
+    np.testing.assert_allclose(back.a, plant.a, rtol=1e-8)
+    np.testing.assert_allclose(back.b, plant.b, rtol=1e-7)
+
+
+def test_an_antiresonance_goes_with_its_resonance():
+    """Base-excited, (2 zeta w s + w^2) / (s^2 + 2 zeta w s + w^2) has no lag at rest, at whatever frequency."""
+    hictop = MODELS["hictop"]
+    lags = [float(np.arange(len(h)) @ h)
+            for h in (impulse_response(changed(hictop, q, 1.0, DT, "x")) for q in (0.85, 1.0, 1.15))]  # fmt: skip
+    assert np.abs(lags).max() < 0.05  # samples; with the poles alone 0.3
+
+
+def test_a_root_that_would_pass_half_the_sampling_rate_stays():
+    p = 0.5 * np.exp(1j * np.pi * np.array([0.9, -0.9]))  # 450 Hz
+    a = np.real(np.poly(p))
+    plant = Plant(np.array([a.sum()]), a, DT)
+    np.testing.assert_allclose(tuned(plant, 1.2, 1.0).a, a)
+
+
 @given(q=factors)
-def test_a_response_is_resampled(model, q):
+def test_a_response_is_resampled(q):
+    model = ImpulseResponse(tuple(impulse_response(plant_of(ONE, DT, "x")).tolist()), DT)
     h, h_q = (impulse_response(plant) for plant in (plant_of(model, DT, "x"), changed(model, q, 1.0, DT, "x")))
     t = np.arange(len(h_q)) * q
     step = np.interp(t, np.arange(len(h)), np.cumsum(h), right=1.0)
@@ -65,10 +99,10 @@ def test_a_frequency_response_is_moved_too():
 @given(d=st.floats(0.4, 2.0))
 def test_damping_moves_alone(name, d):
     plant = plant_of(MODELS[name], DT, "x")
-    before, after = (sorted(modes(p)) for p in (plant, damped(plant, d)))
+    before, after = (sorted(modes(p)) for p in (plant, tuned(plant, 1.0, d)))
     assert [m.frequency for m in after] == pytest.approx([m.frequency for m in before], rel=1e-6)
     assert [m.damping for m in after] == pytest.approx([d * m.damping for m in before], rel=1e-5)
-    assert impulse_response(damped(plant, d)).sum() == pytest.approx(1.0)
+    assert impulse_response(tuned(plant, 1.0, d)).sum() == pytest.approx(1.0)
 
 
 @each_model
