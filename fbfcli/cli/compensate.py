@@ -12,7 +12,7 @@ import click
 from fbfcli.cli.files import DASH, check_targets, is_stream, one_stream, reading, writing
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import method_options, settings_of
-from fbfcli.cli.options import Number, json_option, printer_option, quiet_option
+from fbfcli.cli.options import json_option, printer_option, quiet_option, segments_option, tolerance_option
 from fbfcli.cli.pictures import Pictures, report_option
 from fbfcli.cli.telling import named, progress_bar, tell_json
 from fbfcli.errors import FbfError
@@ -34,20 +34,8 @@ SUFFIX = ".fbf"
 )
 @click.option("-i", "--in-place", is_flag=True, help="Change FILE itself, as slicers expect of a post-processor.")
 @method_options
-@click.option(
-    "--tolerance",
-    type=Number(0.1, 1000),
-    default=5.0,
-    show_default=True,
-    metavar="UM",
-    help="Of a written segment from the command.",
-)
-@click.option(
-    "--segments",
-    type=Number(min=10),
-    metavar="PER_S",
-    help="Segments per second the firmware takes. [default: the profile's]",
-)
+@tolerance_option
+@segments_option
 @report_option
 @json_option
 @click.option(

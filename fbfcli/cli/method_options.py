@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from fbfcli.cli.options import Number, Numbers
+from fbfcli.cli.options import Number, Numbers, spread_option, velocity_option
 from fbfcli.units import UM_PER_MM
 
 if TYPE_CHECKING:
@@ -71,13 +71,7 @@ _OPTIONS = (
         show_default="auto: by a rule, told in the summary",
         help="How the command is computed.",
     ),
-    click.option(
-        "--spread",
-        type=Number(0, 50),
-        metavar="PERCENT",
-        help="How far frequencies may be from the models' (auto, robust, robust_fbf, contour). "
-        "[default: the profile's, else 15]",
-    ),
+    spread_option,
     click.option(
         "--extrusion",
         type=click.Choice(("nozzle", "plan")),
@@ -90,12 +84,7 @@ _OPTIONS = (
         metavar="MM/S2",
         help="Plan with this acceleration instead of the file's.",
     ),
-    click.option(
-        "--velocity",
-        type=Number(min=1),
-        metavar="MM/S",
-        help="Plan with this speed limit instead of the file's.",
-    ),
+    velocity_option,
     click.option(
         "--shaped",
         type=Numbers(),

@@ -36,3 +36,29 @@ printer_option = click.option(
 )
 json_option = click.option("--json", "json_to", metavar="FILE", help="Write the summary as JSON; - is standard output.")
 quiet_option = click.option("-q", "--quiet", is_flag=True, help="No progress, no summary; errors are still told.")
+
+# how a file is planned, compensated and written
+spread_option = click.option(
+    "--spread",
+    type=Number(0, 50),
+    metavar="PERCENT",
+    help="How far frequencies may be from the models' (auto, robust, robust_fbf, contour). "
+    "[default: the profile's, else 15]",
+)
+velocity_option = click.option(
+    "--velocity", type=Number(min=1), metavar="MM/S", help="Plan with this speed limit instead of the file's."
+)
+tolerance_option = click.option(
+    "--tolerance",
+    type=Number(0.1, 1000),
+    default=5.0,
+    show_default=True,
+    metavar="UM",
+    help="Of a written segment from the command.",
+)
+segments_option = click.option(
+    "--segments",
+    type=Number(min=10),
+    metavar="PER_S",
+    help="Segments per second the firmware takes. [default: the profile's]",
+)

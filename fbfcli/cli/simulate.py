@@ -11,7 +11,16 @@ import click
 from fbfcli.cli.files import DASH, check_targets, one_stream, rereading, writing
 from fbfcli.cli.lookup import find_file, read_printer
 from fbfcli.cli.method_options import METHODS, PERCENT
-from fbfcli.cli.options import Number, Numbers, json_option, printer_option, quiet_option
+from fbfcli.cli.options import (
+    Numbers,
+    json_option,
+    printer_option,
+    quiet_option,
+    segments_option,
+    spread_option,
+    tolerance_option,
+    velocity_option,
+)
 from fbfcli.cli.pictures import Pictures, png_option, report_option
 from fbfcli.cli.telling import fraction_bar, named, tell_json
 from fbfcli.units import UM_PER_MM
@@ -71,9 +80,7 @@ class Names(click.ParamType):
     metavar="MM/S2,…",
     help="Plan with this acceleration instead of the file's; several: print time against error.",
 )
-@click.option(
-    "--velocity", type=Number(min=0, min_open=True), metavar="MM/S", help="Plan with this speed limit instead."
-)
+@velocity_option
 @click.option(
     "--rate",
     type=click.IntRange(TRAJECTORY_HZ, MOST_RATE),
@@ -90,11 +97,9 @@ class Names(click.ParamType):
     help="Also these, of the file as it is, in the firmware: made for what Klipper's calibration would take.",
 )
 @click.option("--plant", metavar="NAME|FILE", help="The true machine, if it is not the printer of -p: another profile.")
-@click.option("--spread", type=Number(0, 50), metavar="PERCENT", help="As in `fbf compensate`.")
-@click.option(
-    "--tolerance", type=Number(0.1, 1000), default=5.0, show_default=True, metavar="UM", help="As in `fbf compensate`."
-)
-@click.option("--segments", type=Number(min=10), metavar="PER_S", help="As in `fbf compensate`.")
+@spread_option
+@tolerance_option
+@segments_option
 @report_option
 @png_option
 @click.option(

@@ -12,12 +12,12 @@ from fbfcli.verify import palette
 from fbfcli.verify.close_ups import CloseUp, Window
 from fbfcli.verify.report_data import along
 from fbfcli.verify.traces import Kept
+from fbfcli.verify.wall import is_outer
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-OUTER = ("outer", "external perimeter")  # Orca, Bambu, Cura, Simplify3D; PrusaSlicer, SuperSlicer
 SIZE_IN, DPI = (12.0, 6.0), 100
 NEAREST_MM, FARTHEST_MM = 1.5, 8.0  # shown around a corner
 REACH = 15.0  # errors shown around a corner
@@ -33,7 +33,7 @@ STYLE: Any = {
 
 def worst_seen(kept: Kept, features: tuple[str, ...]) -> CloseUp | None:
     """The first method's worst corner of an outer wall, which people look at; of anything where none is named so."""
-    outer = {i for i, name in enumerate(features) if any(word in name.lower() for word in OUTER)}
+    outer = {i for i, name in enumerate(features) if is_outer(name)}
     first = [corner for corner in kept.corners if corner.method == next(iter(kept.methods))]
     return next((corner for corner in first if corner.feature in outer), next(iter(first), None))
 

@@ -121,9 +121,14 @@ class Walls:
                 self._found[wall.axis] = _wall(rows, wall.axis, int(starts[same[0]]), int(ends[same[0]]))
 
 
+def is_outer(feature: str) -> bool:
+    """Whether a slicer calls the feature an outer wall."""
+    return feature.lower() in OUTER
+
+
 def _seen(feature: str) -> int:
     """How much of the surface a feature is: the more, the rather it is shown."""
-    return 2 * (feature.lower() in OUTER) + (feature.lower() in PERIMETER)
+    return 2 * is_outer(feature) + (feature.lower() in PERIMETER)
 
 
 def _starts(heading: np.ndarray, extruding: np.ndarray, begins: np.ndarray) -> np.ndarray:
