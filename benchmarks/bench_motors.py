@@ -7,14 +7,13 @@ much of the print is integrated, and what that costs; and the same with everythi
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from page import put
+from page import program
 
 from fbfcli.cli.lookup import bundled
 from fbfcli.gcode.scan import chunks
@@ -91,16 +90,11 @@ def rows(name: str, printer: Printer) -> Iterator[str]:
             yield f"| {' | '.join(cells)} |"
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help=f"put the table into {PAGE.name}")
-    wanted = parser.parse_args()
+def table() -> str:
+    """Of every bundled printer that has motors."""
     driven = {name: printer for name, printer in bundled().items() if any(axis.motor for axis in printer.axes)}
-    table = "\n".join([*HEAD, *(row for name, printer in driven.items() for row in rows(name, printer))])
-    print(table)
-    if wanted.write:
-        put(PAGE, COMMAND, table)
+    return "\n".join([*HEAD, *(row for name, printer in driven.items() for row in rows(name, printer))])
 
 
 if __name__ == "__main__":
-    main()
+    program(__doc__, PAGE, COMMAND, table)

@@ -6,12 +6,11 @@ machines whose frequencies are off (the RMS of both directions); and print time 
 
 from __future__ import annotations
 
-import argparse
 import io
 from pathlib import Path
 
 import numpy as np
-from page import put
+from page import program
 from robustness import PARTS, layers
 
 from fbfcli.cli.lookup import bundled
@@ -94,15 +93,5 @@ def tables() -> str:
     return "\n".join(lines).rstrip()
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--write", action="store_true", help=f"put the tables into {PAGE.relative_to(ROOT)}")
-    wanted = parser.parse_args()
-    told = tables()
-    print(told)
-    if wanted.write:
-        put(PAGE, COMMAND, told)
-
-
 if __name__ == "__main__":
-    main()
+    program(__doc__, PAGE, COMMAND, tables)

@@ -9,7 +9,6 @@ and the machine is simulated with its plant changing in steps of 1/200 of the ma
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import replace
 from math import pi
@@ -17,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from executed import Executed, executed
-from page import put
+from page import program
 from robustness import UM, one
 
 from fbfcli.cli.lookup import bundled
@@ -85,15 +84,5 @@ def table() -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--write", action="store_true", help=f"put the table into {PAGE.relative_to(ROOT)}")
-    wanted = parser.parse_args()
-    found = table()
-    print(found)
-    if wanted.write:
-        put(PAGE, COMMAND, found)
-
-
 if __name__ == "__main__":
-    main()
+    program(__doc__, PAGE, COMMAND, table)

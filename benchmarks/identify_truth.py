@@ -11,7 +11,6 @@ start. Known are the test, and nothing else.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
+from page import options, put
 from simulated_recordings import Response, discrete, drawn_sensor, modal, recorded
 
 from fbfcli.cli.lookup import bundled
@@ -35,7 +35,7 @@ from fbfcli.printer import Mode, TransferFunction
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "identify.md"
-BEGIN, END = "<!-- table: benchmarks/identify_truth.py --write -->", "<!-- end of table -->"
+COMMAND = "benchmarks/identify_truth.py --write"
 HEAD = (
     "| test | plant | draws | frequency, worst | damping, worst | lines of coherence > 0.9 within 5 % and 5° | "
     "model on these lines, worst | delay of the model, worst | frequency in its 95 % interval | damping in its |"
@@ -173,9 +173,8 @@ def _damping(rng: np.random.Generator) -> float:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = options(__doc__, PAGE)
     parser.add_argument("--draws", type=int, default=DRAWS)
-    parser.add_argument("--write", action="store_true", help=f"put the table into {PAGE.relative_to(ROOT)}")
     parser.add_argument("--test", action="append", choices=["Klipper", "fbf excite"], help="only this one")
     parser.add_argument("--first", type=int, default=FIRST, help="seed of the first draw")
     parser.add_argument("--processes", type=int, default=1)
@@ -192,10 +191,7 @@ def main() -> None:
                 lines.append(row(kind, plant, scores))
                 print(lines[-1], flush=True)
     if wanted.write:
-        page = PAGE.read_text(encoding="utf-8")
-        before, _, rest = page.partition(BEGIN)
-        _, _, after = rest.partition(END)
-        PAGE.write_text(f"{before}{BEGIN}\n" + "\n".join(lines) + f"\n{END}{after}", encoding="utf-8")
+        put(PAGE, COMMAND, "\n".join(lines))
 
 
 if __name__ == "__main__":

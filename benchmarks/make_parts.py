@@ -13,9 +13,10 @@ import parts
 import slicers
 
 Job = tuple[Callable[[], np.ndarray], float, Callable[..., str], dict[str, str]]
-SLOWER = dict.fromkeys((  # half as fast as prusa.ini
+SPEEDS = (  # 200 in prusa.ini
     "perimeter_speed", "external_perimeter_speed", "small_perimeter_speed",
-    "infill_speed", "solid_infill_speed", "top_solid_infill_speed"), "100")  # fmt: skip
+    "infill_speed", "solid_infill_speed", "top_solid_infill_speed")  # fmt: skip
+SLOWER = dict.fromkeys(SPEEDS, "100")
 JOBS: dict[str, Job] = {  # file: solid, its width and length against what `parts` draws, slicer, settings
     "ringing_tower.gcode": (parts.ringing_tower, 1.0, slicers.prusa_slicer, {}),
     "star.gcode": (parts.star, 1.0, slicers.prusa_slicer, {}),
@@ -27,13 +28,18 @@ JOBS: dict[str, Job] = {  # file: solid, its width and length against what `part
 }
 
 
+def scaled(solid: np.ndarray, size: float) -> np.ndarray:
+    """The solid, shape (n, 3, 3), `size` times as wide and long, and as high."""
+    return solid * np.array([size, size, 1.0])
+
+
 def main(folder: Path) -> None:
     if hasattr(os, "sched_setaffinity"):  # on several cores PrusaSlicer's lines differ from run to run
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     with tempfile.TemporaryDirectory() as scratch:
         for name, (solid, size, slicer, settings) in JOBS.items():
             stl = Path(scratch) / f"{solid.__name__}.stl"
-            stl.write_bytes(parts.stl(solid() * np.array([size, size, 1.0])))
+            stl.write_bytes(parts.stl(scaled(solid(), size)))
             (folder / name).parent.mkdir(exist_ok=True)
             slicer(stl, (folder / name).resolve(), **settings)
             sys.stderr.write(f"{folder / name}: {(folder / name).stat().st_size} bytes\n")

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from executed import executed
-from page import put
+from page import program
 
 from fbfcli.cli.lookup import bundled
 from fbfcli.control.design import METHODS
@@ -74,16 +73,11 @@ def table(text: bytes, printer: Printer, segments: float | None) -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help=f"put the tables into {PAGE.relative_to(ROOT)}")
-    wanted = parser.parse_args()
+def tables() -> str:
+    """Of each printer."""
     text, printers = PART.read_bytes(), bundled()
-    tables = "\n\n".join(table(text, printers[name], segments) for name, segments in PRINTERS)
-    print(tables)
-    if wanted.write:
-        put(PAGE, COMMAND, tables)
+    return "\n\n".join(table(text, printers[name], segments) for name, segments in PRINTERS)
 
 
 if __name__ == "__main__":
-    main()
+    program(__doc__, PAGE, COMMAND, tables)

@@ -2,9 +2,27 @@
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Callable
 from pathlib import Path
 
 END = "<!-- end of table -->"
+
+
+def options(doc: str | None, page: Path) -> argparse.ArgumentParser:
+    """Of a benchmark with this docstring: --write."""
+    parser = argparse.ArgumentParser(description=(doc or "").splitlines()[0])
+    parser.add_argument("--write", action="store_true", help=f"put what is found into docs/{page.name}")
+    return parser
+
+
+def program(doc: str | None, page: Path, command: str, tables: Callable[[], str]) -> None:
+    """A benchmark without other options: print its tables, and put them into the page where that is asked for."""
+    wanted = options(doc, page).parse_args()
+    found = tables()
+    print(found)
+    if wanted.write:
+        put(page, command, found)
 
 
 def put(page: Path, command: str, tables: str) -> None:

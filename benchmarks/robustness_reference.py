@@ -1,22 +1,8 @@
-"""The numbers that the second table of robustness.py is held against [um], and how they tell to measure.
+"""The numbers that the second table of robustness.py is held against [um].
 
 They are another prototype's: the same formulas on five other parts, contour error RMS, geometric mean over the parts at
-5,000 and 15,000 mm/s^2, exact and at frequencies +-5, +-10, +-15 % off, dampings half and twice. Which parts, how fast
-they were printed, and how the two signs of an error make one number is not said. What `none`, `zv`, `mzv`, `ei` and
-`lpfbs` have there was asked, whatever `contour` makes of it. It does not settle the matter:
-- The signs, on whole samples at 200 mm/s. `none` on 35/28 Hz at +-15 % has 1.25 times what it has at 0; the worse sign
-  gives 1.27, the RMS of both 1.06. With the worse sign the ratios of all methods but `mzv` stay level within a tenth
-  from +-5 to +-15 %, with the RMS they fall. That is true of 35/28 Hz only: for `lpfbs` on all other plants, and for
-  `zv` on 45/36 Hz, the RMS is the flatter.
-- The parts, by ratios on 35 and 45 Hz. Whole samples at 200 mm/s have the ringing (exact, `none` to `ei`: .9 to 1.0),
-  and at twice the damping, where one axis lags behind the other, `lpfbs` has 1.1 and 1.5. At 100 mm/s they have .7 to
-  .8 of the ringing, and .8 and 1.0 there. Halves at 100 mm/s: .85 to 1.0, and .9 and 1.2.
-- A grid was scored once (its script and its parts are not kept): widths .4, .5, .6, .75 and 1 of the samples', 100, 120
-  and 150 mm/s, both statistics; `none`, the shapers and `lpfbs` on 35/28 and 45/36 Hz, RMS of ln(ratio). Five of the
-  thirty are within .10: .5/120/worse .092, .4/100/worse .094, .4/120/RMS .096, .6/150/worse .096, .5/150/RMS .099.
-  Taken is .5/100/worse, .119: a compromise in round numbers with the lag of taz6/hictop, for with `lpfbs` on that pair
-  counted too its largest |ln(ratio)| is .29, and .31 to .52 in those five.
-- The tolerance of 2 um was set afterwards, for 70/56 Hz; all of the above but the ratios of halves has 5.
+5,000 and 15,000 mm/s^2, exact and at frequencies +-5, +-10, +-15 % off, dampings half and twice. Which parts, how they
+were printed, and how the two signs of an error make one number is not said: robustness_parts.py asks the numbers.
 """
 
 from __future__ import annotations
