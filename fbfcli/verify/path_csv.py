@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from fbfcli.digits import Cell, chosen, decimal, fixed, rows
 from fbfcli.units import UM_PER_MM
 from fbfcli.verify.passage import Passage
 
@@ -13,7 +14,7 @@ COLUMNS = (
     "method,time,line,layer,feature,extruding,desired_x,desired_y,executed_x,executed_y,nozzle_x,nozzle_y,"
     "tracking_um,contour_um"
 )
-ROW = "%s,%.6f,%d,%d,%s,%d,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.3f,%.3f\n"
+PLACES, PLACES_UM = 6, 3  # decimals of s and mm, and of um
 
 
 class PathCsv:
@@ -24,35 +25,34 @@ class PathCsv:
 
     def __init__(self, write: Callable[[bytes], object]):
         self._write = write
-        self._features: Sequence[str] = ()
+        self._names: list[bytes] = []  # of features
         write(f"{COLUMNS}\n".encode())
 
     def begin(self, name: str, features: Sequence[str]) -> None:
         """A method begins."""
-        self._features = features
+        self._names = [_quoted(feature).encode() for feature in features]
 
     def add(self, name: str, passage: Passage) -> None:
         """More of what the machine makes of it."""
         here = passage.execution
-        names = np.array([_quoted(feature) for feature in self._features])
-        columns = (
-            [name] * len(passage),
-            here.time.tolist(),
-            (here.line + 1).tolist(),
-            here.layer.tolist(),
-            names[here.feature].tolist(),
-            here.extruding.tolist(),
-            *(column.tolist() for path in (here.desired, here.motion[:, :2], passage.nozzle) for column in path.T),
-            (UM_PER_MM * passage.tracking).tolist(),
-            (UM_PER_MM * passage.contour).tolist(),
-        )
-        self._write("".join(map(ROW.__mod__, zip(*columns, strict=True))).encode())
+        told = [
+            decimal(here.line + 1), decimal(here.layer), chosen(self._names, here.feature), decimal(here.extruding * 1),
+            *(_rounded(each, PLACES) for path in (here.desired, here.motion[:, :2], passage.nozzle) for each in path.T),
+            *(_rounded(UM_PER_MM * each, PLACES_UM) for each in (passage.tracking, passage.contour)),
+        ]  # fmt: skip
+        behind = [cell for each in told for cell in (fixed(b","), each)]
+        first = fixed(f"{name},".encode())
+        self._write(rows(len(passage), first, _rounded(here.time, PLACES), *behind, fixed(b"\n")))
 
     def segments(self, name: str, starts: np.ndarray) -> None:
         """Not written."""
 
     def load(self, name: str, time: np.ndarray, share: np.ndarray, motors: Sequence[str]) -> None:
         """Not written."""
+
+
+def _rounded(value: np.ndarray, places: int) -> Cell:
+    return decimal(np.rint(value * 10**places).astype(np.int64), places)
 
 
 def _quoted(word: str) -> str:
