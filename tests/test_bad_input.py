@@ -145,6 +145,13 @@ def test_a_full_standard_output_is_an_error(part):
     assert done.stderr == "fbf: error: No space left on device\n"
 
 
+def test_a_full_device_is_told_by_its_name(part):
+    if not (os.path.exists("/dev/full") and stat.S_ISCHR(os.stat("/dev/full").st_mode)):
+        pytest.skip("/dev/full is no device here")
+    done = subprocess.run([*COMPENSATE, "-q", str(part), "-o", "/dev/full"], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (1, "fbf: error: /dev/full: No space left on device\n")
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize("in_place", [False, True])
 def test_an_interrupted_run_loses_nothing(part, number, code, in_place):

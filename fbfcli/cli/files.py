@@ -92,7 +92,7 @@ def streaming(name: str) -> Iterator[BinaryIO]:
     if name == DASH:
         yield sys.stdout.buffer
         return
-    with Path(name).open("wb") as stream:
+    with io.BufferedWriter(_Named(name, "w")) as stream:
         yield stream
 
 
