@@ -126,9 +126,9 @@ class Reader:
             yield Portion(part, part.tag.astype(bool), own, table)
 
     def _tell_time(self, moves: Moves, last: bool) -> None:
-        tag = np.zeros(len(moves), dtype=bool)
         if self._as_written:
             return
+        tag = np.zeros(len(moves), dtype=bool)
         self.time_as_sliced += sum(
             float(part.profile.duration.sum()) for part in self._as_sliced.feed(moves, tag, last)
         )
