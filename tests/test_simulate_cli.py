@@ -86,6 +86,17 @@ def test_csv_is_where_the_nozzle_goes(part):
         assert [float(mine[-1][f"desired_{axis}"]) for axis in "xy"] == [20.0, 20.0]
 
 
+def test_a_feature_that_comes_late_in_a_file_is_in_the_csv(part):
+    far_apart = f";{'x' * (1 << 19)}\n"  # more than is read at once
+    there_and_back = "G1 X20.5 Y20 E.1 F9000\nG1 X20 Y20.5 E.1\n" * 1000
+    late = ';TYPE:Bridge, "late"\nG1 X20 Y20 E.1\n'
+    part.write_text(f"{PART}M83\n;TYPE:Perimeter\n{there_and_back}{far_apart}{late}")
+    out = part.with_name("path.csv")
+    assert run(part, "-q", "-m", "none", "--csv", out) == 0
+    rows = list(csv.DictReader(io.StringIO(out.read_text())))
+    assert [rows[k]["feature"] for k in (0, len(rows) // 2, -1)] == ["unknown", "Perimeter", 'Bridge, "late"']
+
+
 def test_a_compensated_file_is_executed_as_it_is_written(part, capsys):
     subprocess.run([*COMPENSATE, "-q", str(part)], check=True, timeout=60)
     written = part.with_name("my part.fbf.gcode")

@@ -25,18 +25,19 @@ class PathCsv:
 
     def __init__(self, write: Callable[[bytes], object]):
         self._write = write
-        self._names: list[bytes] = []  # of features
+        self._features: Sequence[str] = ()  # grows while the file is read
         write(f"{COLUMNS}\n".encode())
 
     def begin(self, name: str, features: Sequence[str]) -> None:
         """A method begins."""
-        self._names = [_quoted(feature).encode() for feature in features]
+        self._features = features
 
     def add(self, name: str, passage: Passage) -> None:
         """More of what the machine makes of it."""
         here = passage.execution
+        names = [_quoted(feature).encode() for feature in self._features]
         told = [
-            decimal(here.line + 1), decimal(here.layer), chosen(self._names, here.feature), decimal(here.extruding * 1),
+            decimal(here.line + 1), decimal(here.layer), chosen(names, here.feature), decimal(here.extruding * 1),
             *(_rounded(each, PLACES) for path in (here.desired, here.motion[:, :2], passage.nozzle) for each in path.T),
             *(_rounded(UM_PER_MM * each, PLACES_UM) for each in (passage.tracking, passage.contour)),
         ]  # fmt: skip
