@@ -28,21 +28,22 @@ JOBS: dict[str, Job] = {  # file: solid, its width and length against what `part
 }
 
 
-def scaled(solid: np.ndarray, size: float) -> np.ndarray:
-    """The solid, shape (n, 3, 3), `size` times as wide and long, and as high."""
-    return solid * np.array([size, size, 1.0])
+def sliced(job: Job, gcode: Path) -> None:
+    """Write it as G-code."""
+    solid, size, slicer, settings = job
+    with tempfile.TemporaryDirectory() as scratch:
+        stl = Path(scratch) / f"{solid.__name__}.stl"
+        stl.write_bytes(parts.stl(solid() * np.array([size, size, 1.0])))
+        slicer(stl, gcode.resolve(), **settings)
 
 
 def main(folder: Path) -> None:
     if hasattr(os, "sched_setaffinity"):  # on several cores PrusaSlicer's lines differ from run to run
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-    with tempfile.TemporaryDirectory() as scratch:
-        for name, (solid, size, slicer, settings) in JOBS.items():
-            stl = Path(scratch) / f"{solid.__name__}.stl"
-            stl.write_bytes(parts.stl(scaled(solid(), size)))
-            (folder / name).parent.mkdir(exist_ok=True)
-            slicer(stl, (folder / name).resolve(), **settings)
-            sys.stderr.write(f"{folder / name}: {(folder / name).stat().st_size} bytes\n")
+    for name, job in JOBS.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        sliced(job, folder / name)
+        sys.stderr.write(f"{folder / name}: {(folder / name).stat().st_size} bytes\n")
 
 
 if __name__ == "__main__":

@@ -102,6 +102,11 @@ class Case:
     ripple: dict[str, tuple[float, float]]
 
 
+def called(method: str, spread: float | None) -> str:
+    """A method in the tables."""
+    return method if spread is None else f"{method} ±{100 * spread:.0f} %"
+
+
 def printer_of(plant: str) -> Printer:
     """A Klipper machine with these models."""
     base = bundled()["synthetic_bed_slinger"]
@@ -157,8 +162,7 @@ def case(plant: str, part: str, text: bytes, acceleration: float, method: str, s
         if on_plan:
             before, after = (max(each.ripple(n, on_plan) for n in nozzles) for each in (on_plan, done))
             ripple[condition] = before, after
-    name = method if spread is None else f"{method} ±{100 * spread:.0f} %"
-    return Case(plant, part, acceleration, name, across, along, *_asked(done, settings.dt), ripple)
+    return Case(plant, part, acceleration, called(method, spread), across, along, *_asked(done, settings.dt), ripple)
 
 
 def suited(shaper: str, plants: tuple[Plant, ...]) -> tuple[float, float]:
@@ -266,7 +270,7 @@ def asked(found: list[Case]) -> str:
 
 def beads(found: list[Case]) -> str:
     """Ripple of the bead's width, per cent: E on the plan's time -> E with the nozzle."""
-    method = f"contour ±{100 * SPREADS[0]:.0f} %"
+    method = called("contour", SPREADS[0])
     lines = ["| x/y | " + " | ".join(CONDITIONS) + " |", "|---" * (1 + len(CONDITIONS)) + "|"]
     for plant in PLANTS:
         own = [c for c in found if (c.plant, c.method) == (plant, method)]
@@ -278,7 +282,7 @@ def beads(found: list[Case]) -> str:
 
 def report(found: list[Case]) -> str:
     """All tables of this program alone."""
-    wide = f"contour ±{100 * SPREADS[0]:.0f} %"
+    wide = called("contour", SPREADS[0])
     return "\n\n".join([
         "### Error across the path", table(found, "across"),
         f"Cell by cell (plant, part, acceleration), `{wide}` against the best of {', '.join(SHAPERS)}:",

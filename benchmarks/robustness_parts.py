@@ -20,16 +20,15 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-import slicers
 from executed import rms
-from make_parts import SPEEDS, scaled
+from make_parts import JOBS, SPEEDS, sliced
 from page import options, put
-from parts import hull, ringing_tower, star, stl
-from robustness import ACCELERATIONS, CONDITIONS, PAGE, SPREADS, Case, case, layers, mean
+from robustness import ACCELERATIONS, CONDITIONS, PAGE, PARTS, SPREADS, Case, called, case, layers, mean
 from robustness_reference import REFERENCE
+from slicers import prusa_slicer
 
 COMMAND = "benchmarks/robustness_parts.py --write"
-SOLIDS: dict[str, Callable[[], np.ndarray]] = {"ringing_tower": ringing_tower, "star": star, "curve": hull}
+SOLIDS = {part: JOBS[f"{part}.gcode"][0] for part in PARTS}
 SIZES = (0.5, 0.75, 1.0)  # of the parts' width and length in sample_gcode/
 PRINTED_AT = (100, 150, 200)  # mm/s
 FILLS = {  # lines between the walls
@@ -38,7 +37,7 @@ FILLS = {  # lines between the walls
 }  # fmt: skip
 OF_SIGNS: dict[str, Callable[[tuple[float, ...]], float]] = {"worse": max, "RMS": lambda pair: rms(np.array(pair))}
 LEFT_OUT = ("70/56 Hz",)  # what is left of errors there is the chords'
-JUDGED = f"contour ±{100 * SPREADS[0]:.0f} %"
+JUDGED = called("contour", SPREADS[0])
 ELSEWHERE = ("contour ±10 %", "robust ±15 %")  # robustness.py has them
 SHOWN = 12
 NEAR = 0.15
@@ -53,19 +52,19 @@ class Way:
     fill: str
 
 
-def sliced(way: Way, part: str) -> bytes:
+def layers_of(way: Way, part: str) -> bytes:
     """Every fourth layer of the part."""
     with tempfile.TemporaryDirectory() as scratch:
-        solid, gcode = Path(scratch) / f"{part}.stl", Path(scratch) / f"{part}.gcode"
-        solid.write_bytes(stl(scaled(SOLIDS[part](), way.size)))
-        slicers.prusa_slicer(solid, gcode, **dict.fromkeys(SPEEDS, str(way.speed)), **FILLS[way.fill])
+        gcode = Path(scratch) / f"{part}.gcode"
+        settings = dict.fromkeys(SPEEDS, str(way.speed)) | FILLS[way.fill]
+        sliced((SOLIDS[part], way.size, prusa_slicer, settings), gcode)
         return layers(gcode.read_bytes())
 
 
 def printed(job: tuple[Way, str]) -> list[Case]:
     """A part sliced in a way, by every method that the reference has a number of."""
     way, part = job
-    text = sliced(way, part)
+    text = layers_of(way, part)
     found = []
     for plant, rows in REFERENCE.items():
         for method in rows:
@@ -96,11 +95,12 @@ def table(ways: dict[Way, list[Case]]) -> str:
     for way, found in ways.items():
         for name, of in OF_SIGNS.items():
             ratio = ratios(found, of)
+            distance = score(ratio)
             own = {at: r for at, r in ratio.items() if at[1] == JUDGED}
             far = [f"{at[0]} {at[2]}: {r:.2f}" for at, r in own.items() if abs(r - 1.0) > NEAR]
             span = f"{min(own.values()):.2f} to {max(own.values()):.2f}"
-            cells = (f"{way.size:g}", str(way.speed), way.fill, name, f"{score(ratio):.3f}", span, "; ".join(far))
-            rows.append((score(ratio), f"| {' | '.join(cells)} |"))
+            cells = (f"{way.size:g}", str(way.speed), way.fill, name, f"{distance:.3f}", span, "; ".join(far))
+            rows.append((distance, f"| {' | '.join(cells)} |"))
     head = f"| size | mm/s | fill | of the signs | score | {JUDGED} | of it, not within {100 * NEAR:.0f} % |"
     return "\n".join([head, "|---" * 7 + "|", *(row for _, row in sorted(rows)[:SHOWN])])
 
